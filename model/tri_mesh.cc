@@ -1,0 +1,57 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "model/tri_mesh.h"
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+
+namespace torso {
+
+void append(TriMesh& mesh, const TriMesh& part) {
+  const int offset = static_cast<int>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());
+  for (const auto& f : part.faces) {
+    mesh.faces.push_back({f[0] + offset, f[1] + offset, f[2] + offset});
+  }
+}
+
+TriMesh mirrored(const TriMesh& mesh) {
+  TriMesh out = mesh;
+  for (auto& v : out.vertices) v.y() = -v.y();
+  for (auto& f : out.faces) std::swap(f[1], f[2]);
+  return out;
+}
+
+TriMesh transformed(const TriMesh& mesh, const Eigen::Isometry3d& X) {
+  TriMesh out = mesh;
+  for (auto& v : out.vertices) v = X * v;
+  return out;
+}
+
+void writeStl(const TriMesh& mesh, const std::string& path) {
+  // 80 bytes of header, the number of triangles, then per triangle a normal and three vertices as
+  // little-endian floats and two unused bytes.
+  std::string bytes(80, '\0');
+  std::memcpy(bytes.data(), "mujoco-torso", 12);
+  const auto count = static_cast<std::uint32_t>(mesh.faces.size());
+  bytes.append(reinterpret_cast<const char*>(&count), 4);
+  for (const auto& f : mesh.faces) {
+    const Eigen::Vector3d &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]],
+                          &c = mesh.vertices[f[2]];
+    const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
+    for (const Eigen::Vector3d& v : {normal, a, b, c}) {
+      const Eigen::Vector3f value = v.cast<float>();
+      bytes.append(reinterpret_cast<const char*>(value.data()), 12);
+    }
+    bytes.append(2, '\0');
+  }
+  std::ofstream file(path, std::ios::binary);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) throw std::runtime_error(path + ": cannot write (is the folder there and writable?)");
+}
+
+}  // namespace torso

@@ -1,0 +1,23 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+namespace torso {
+
+// Triangle surface; faces are counter-clockwise seen from outside.
+struct TriMesh {
+  std::vector<Eigen::Vector3d> vertices;  // [m]
+  std::vector<std::array<int, 3>> faces;
+};
+
+void append(TriMesh& mesh, const TriMesh& part);
+TriMesh mirrored(const TriMesh& mesh);                                 // y -> -y
+TriMesh transformed(const TriMesh& mesh, const Eigen::Isometry3d& X);  // x -> X x
+// Binary STL. Throws std::runtime_error that names the file.
+void writeStl(const TriMesh& mesh, const std::string& path);
+
+}  // namespace torso
