@@ -1,7 +1,6 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "model/tri_mesh.h"
 
-#include <Eigen/Geometry>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
