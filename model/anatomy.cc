@@ -1,0 +1,248 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "model/anatomy.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "model/csv.h"
+
+namespace torso {
+namespace {
+
+constexpr double kMm = 1e-3;
+constexpr double kDeg = 3.14159265358979323846 / 180;
+
+using Eigen::AngleAxisd;
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+Isometry3d pitched(const Vector3d& position, double pitch) {
+  Isometry3d X = Isometry3d::Identity();
+  X.translate(position);
+  X.rotate(AngleAxisd(pitch, Vector3d::UnitY()));
+  return X;
+}
+
+Vertebra readVertebra(const CsvTable& t, int i) {
+  const auto mm = [&](const char* column) {
+    return t.number(i, std::string(column) + "_mm") * kMm;
+  };
+  const auto deg = [&](const char* column) {
+    return t.number(i, std::string(column) + "_deg") * kDeg;
+  };
+  Vertebra v;
+  v.name = t.text(i, "level");
+  const std::string& region = t.text(i, "region");
+  v.region = region == "lumbar"     ? Region::kLumbar
+             : region == "thoracic" ? Region::kThoracic
+                                    : Region::kCervical;
+  v.position = {mm("x"), 0, mm("z")};
+  v.pitch = deg("pitch");
+  v.lower_endplate_pitch = deg("lower_endplate_pitch");
+  v.upper_endplate_pitch = deg("upper_endplate_pitch");
+  v.upper_endplate_width = mm("upper_endplate_width");
+  v.upper_endplate_depth = mm("upper_endplate_depth");
+  v.lower_endplate_width = mm("lower_endplate_width");
+  v.lower_endplate_depth = mm("lower_endplate_depth");
+  v.body_height_anterior = mm("body_height_anterior");
+  v.body_height_posterior = mm("body_height_posterior");
+  v.canal_width = mm("canal_width");
+  v.canal_depth = mm("canal_depth");
+  v.pedicle_width = mm("pedicle_width");
+  v.pedicle_height = mm("pedicle_height");
+  v.pedicle_length = mm("pedicle_length");
+  v.pedicle_inclination = deg("pedicle_inclination");
+  v.transverse_process_span = mm("transverse_process_span");
+  v.spinous_tip_distance = mm("spinous_tip_distance");
+  v.spinous_declination = deg("spinous_declination");
+  v.slice_mass = t.number(i, "slice_mass_kg");
+  v.slice_com = {mm("slice_com_x"), 0, mm("slice_com_z")};
+  v.slice_half_width = mm("slice_half_width");
+  v.slice_half_depth = mm("slice_half_depth");
+  v.mass_fraction = t.number(i, "vertebra_mass_fraction");
+  return v;
+}
+
+// Outward normal of a left superior facet. It starts as z (a horizontal face looks up), leans back
+// by the angle to the transverse plane, and then turns about the vertical: positive towards the
+// mid-line, away from the frontal plane.
+Vector3d facetNormal(double to_transverse, double from_frontal) {
+  const Vector3d back(-std::sin(to_transverse), 0, std::cos(to_transverse));
+  return AngleAxisd(from_frontal, Vector3d::UnitZ()) * back;
+}
+
+}  // namespace
+
+Vector3d mirror(const Vector3d& point) { return {point.x(), -point.y(), point.z()}; }
+Vector3d mirrorAxis(const Vector3d& axis) { return {-axis.x(), axis.y(), -axis.z()}; }
+
+Isometry3d Vertebra::frame() const { return pitched(position, pitch); }
+
+Anatomy Anatomy::load(const std::string& folder) {
+  Anatomy a;
+
+  const CsvTable vertebrae(folder + "/vertebrae.csv");
+  for (int i = 0; i < vertebrae.rows(); i++) a.vertebrae.push_back(readVertebra(vertebrae, i));
+  if (a.vertebrae.empty() || a.vertebrae.back().name != "C2") {
+    throw std::runtime_error(folder + "/vertebrae.csv: the last row must be C2");
+  }
+  a.c2 = a.vertebrae.back();
+  a.vertebrae.pop_back();
+
+  const CsvTable discs(folder + "/discs.csv");
+  for (int i = 0; i < discs.rows(); i++) {
+    Disc d;
+    d.name = discs.text(i, "disc");
+    d.lower = discs.text(i, "lower");
+    d.upper = discs.text(i, "upper");
+    d.shape = {discs.number(i, "width_mm") * kMm, discs.number(i, "depth_mm") * kMm,
+               discs.number(i, "height_anterior_mm") * kMm,
+               discs.number(i, "height_posterior_mm") * kMm};
+    d.material = {discs.number(i, "youngs_modulus_mpa") * 1e6, discs.number(i, "poissons_ratio")};
+    d.retardation_time = discs.number(i, "retardation_time_s");
+    d.frame = pitched({discs.number(i, "x_mm") * kMm, 0, discs.number(i, "z_mm") * kMm},
+                      discs.number(i, "pitch_deg") * kDeg);
+    a.discs.push_back(d);
+  }
+  if (a.discs.size() != a.vertebrae.size() + 1) {
+    throw std::runtime_error(folder + "/discs.csv: " + std::to_string(a.discs.size()) +
+                             " discs for " + std::to_string(a.vertebrae.size()) +
+                             " free vertebrae; there must be one more");
+  }
+
+  const CsvTable landmarks(folder + "/landmarks.csv");
+  for (int i = 0; i < landmarks.rows(); i++) {
+    a.landmarks[landmarks.text(i, "landmark")] =
+        Vector3d(landmarks.number(i, "x_mm"), landmarks.number(i, "y_mm"),
+                 landmarks.number(i, "z_mm")) *
+        kMm;
+  }
+
+  // The S1 endplate is the lower face of disc L5/S1: half the wedge away from its mid-plane.
+  const Disc& l5s1 = a.discs.front();
+  a.sacral_slope =
+      Eigen::AngleAxisd(l5s1.frame.linear()).angle() +
+      0.5 * std::atan2(l5s1.shape.height_anterior - l5s1.shape.height_posterior, l5s1.shape.depth);
+
+  const CsvTable facets(folder + "/facets.csv");
+  for (int i = 0; i < facets.rows(); i++) {
+    ArticularFacet f;
+    f.level = facets.text(i, "level");
+    f.width = facets.number(i, "width_mm") * kMm;
+    f.height = facets.number(i, "height_mm") * kMm;
+    f.position = Vector3d(facets.number(i, "x_mm"), facets.number(i, "interfacet_distance_mm") / 2,
+                          facets.number(i, "z_mm")) *
+                 kMm;
+    f.normal = facetNormal(facets.number(i, "angle_to_transverse_deg") * kDeg,
+                           facets.number(i, "angle_from_frontal_deg") * kDeg);
+    a.facets.push_back(f);
+  }
+
+  const CsvTable costal(folder + "/costal_joints.csv");
+  for (int i = 0; i < costal.rows(); i++) {
+    a.costal_joints.push_back(
+        {costal.text(i, "level"), costal.text(i, "joint") == "costotransverse",
+         Vector3d(costal.number(i, "x_mm"), costal.number(i, "y_mm"), costal.number(i, "z_mm")) *
+             kMm});
+  }
+
+  const CsvTable ligaments(folder + "/ligaments.csv");
+  for (int i = 0; i < ligaments.rows(); i++) {
+    const std::string& side = ligaments.text(i, "side");
+    a.ligaments.push_back({ligaments.text(i, "ligament"), ligaments.text(i, "group"),
+                           side == "left"    ? Side::kLeft
+                           : side == "right" ? Side::kRight
+                                             : Side::kMiddle,
+                           ligaments.number(i, "max_length_ratio")});
+  }
+
+  const CsvTable segments(folder + "/segments.csv");
+  for (int i = 0; i < segments.rows(); i++) {
+    Segment s;
+    s.name = segments.text(i, "body");
+    s.mass = segments.number(i, "mass_kg");
+    const Vector3d proximal = a.landmark(segments.text(i, "proximal"));
+    const Vector3d distal = a.landmark(segments.text(i, "distal"));
+    s.com = proximal + segments.number(i, "com_fraction") * (distal - proximal) +
+            Vector3d(segments.number(i, "offset_x_mm"), segments.number(i, "offset_y_mm"),
+                     segments.number(i, "offset_z_mm")) *
+                kMm;
+    s.gyration = Vector3d(segments.number(i, "gyration_x_mm"), segments.number(i, "gyration_y_mm"),
+                          segments.number(i, "gyration_z_mm")) *
+                 kMm;
+    const Vector3d along = distal - proximal;
+    s.axes = along.norm() > 0
+                 ? Eigen::Quaterniond::FromTwoVectors(-Vector3d::UnitZ(), along).toRotationMatrix()
+                 : Eigen::Matrix3d::Identity();
+    a.segments.push_back(s);
+  }
+
+  const CsvTable joints(folder + "/joints.csv");
+  for (int i = 0; i < joints.rows(); i++) {
+    a.joints.push_back(
+        {joints.text(i, "joint"), joints.text(i, "parent"), joints.text(i, "child"),
+         a.landmark(joints.text(i, "landmark")), joints.number(i, "limit_deg") * kDeg,
+         joints.number(i, "stiffness_nm_per_rad"), joints.number(i, "damping_nms_per_rad"),
+         joints.number(i, "armature_kgm2")});
+  }
+
+  const CsvTable servos(folder + "/servos.csv");
+  for (int i = 0; i < servos.rows(); i++) {
+    const bool region = servos.empty(i, "min_deg");
+    a.servos.push_back({servos.text(i, "joint"), servos.text(i, "motion"),
+                        Vector3d(servos.number(i, "axis_x"), servos.number(i, "axis_y"),
+                                 servos.number(i, "axis_z")),
+                        region ? 0 : servos.number(i, "min_deg") * kDeg,
+                        region ? 0 : servos.number(i, "max_deg") * kDeg,
+                        servos.number(i, "kp_nm_per_rad"), servos.number(i, "kv_nms_per_rad"),
+                        servos.number(i, "force_limit_nm")});
+  }
+
+  const CsvTable rom(folder + "/range_of_motion.csv");
+  for (int i = 0; i < rom.rows(); i++) {
+    a.range_of_motion[rom.text(i, "disc")] = {
+        rom.number(i, "flexion_deg") * kDeg, rom.number(i, "extension_deg") * kDeg,
+        rom.number(i, "lateral_bending_deg") * kDeg, rom.number(i, "axial_rotation_deg") * kDeg};
+  }
+  return a;
+}
+
+const Vertebra& Anatomy::vertebra(const std::string& level) const {
+  if (level == c2.name) return c2;
+  for (const Vertebra& v : vertebrae) {
+    if (v.name == level) return v;
+  }
+  throw std::runtime_error("anatomy: no vertebra is called '" + level + "'");
+}
+
+Isometry3d Anatomy::boneFrame(const std::string& level) const {
+  return level == "S1" ? pitched(Vector3d::Zero(), sacral_slope) : vertebra(level).frame();
+}
+
+const Vector3d& Anatomy::landmark(const std::string& name) const {
+  const auto it = landmarks.find(name);
+  if (it == landmarks.end()) {
+    throw std::runtime_error("anatomy: no landmark is called '" + name + "'");
+  }
+  return it->second;
+}
+
+const Segment& Anatomy::segment(const std::string& name) const {
+  for (const Segment& s : segments) {
+    if (s.name == name) return s;
+  }
+  throw std::runtime_error("anatomy: no segment is called '" + name + "'");
+}
+
+double Anatomy::stature() const { return landmark("head_vertex").z() - landmark("sole").z(); }
+
+double Anatomy::mass() const {
+  double sum = 0;
+  for (const Vertebra& v : vertebrae) sum += v.slice_mass;
+  for (const Segment& s : segments) {
+    sum += s.mass * (s.name == "pelvis" || s.name == "head" ? 1 : 2);
+  }
+  return sum;
+}
+
+}  // namespace torso

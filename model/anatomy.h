@@ -1,0 +1,136 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The one source of truth about the body: the tables of model/anatomy/, read into SI units.
+//
+// Axes, here and everywhere in the project: x forward, y left, z up. (ISB's thorax axes X forward,
+// Y up, Z right, turned by +90 degrees about X.) Positions are in the standing body, with the
+// origin at the centre of the S1 upper endplate, unless a comment names another frame. Angles in
+// radians; a pitch is a rotation about y, positive leaning forward.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "model/disc.h"
+
+namespace torso {
+
+// Left, middle or right of the body; the value is the sign of y.
+enum class Side { kRight = -1, kMiddle = 0, kLeft = 1 };
+
+enum class Region { kLumbar, kThoracic, kCervical };
+
+struct Vertebra {
+  std::string name;  // "L5" .. "C3"
+  Region region;
+  Eigen::Vector3d position;                           // body centre [m]
+  double pitch;                                       // of the vertebra frame [rad]
+  double lower_endplate_pitch, upper_endplate_pitch;  // [rad], of the standing body, not relative
+  // Morphometry [m], [rad].
+  double upper_endplate_width, upper_endplate_depth, lower_endplate_width, lower_endplate_depth;
+  double body_height_anterior, body_height_posterior;
+  double canal_width, canal_depth;
+  double pedicle_width, pedicle_height, pedicle_length, pedicle_inclination;
+  double transverse_process_span;  // tip to tip
+  double spinous_tip_distance;     // body centre to tip
+  double spinous_declination;      // below the vertebra's horizontal plane
+  // Trunk slice (tissue and bone) at this level.
+  double slice_mass;          // [kg]
+  Eigen::Vector3d slice_com;  // [m], vertebra frame
+  double slice_half_width, slice_half_depth;
+  double mass_fraction;  // share of the slice that moves with the vertebra, not with the rib cage
+
+  // Vertebra frame in the standing body: origin at the body centre, z along the body's axis.
+  Eigen::Isometry3d frame() const;
+};
+
+struct Disc {
+  std::string name;          // "L5/S1" .. "C2/C3"
+  std::string lower, upper;  // names of the bones' levels: "S1", "L5" .. "C2"
+  DiscShape shape;
+  DiscMaterial material;
+  double retardation_time;  // viscous over elastic stiffness [s]
+  Eigen::Isometry3d frame;  // of the disc at rest, in the standing body
+};
+
+// Superior articular facet of a bone (left side).
+struct ArticularFacet {
+  std::string level;         // bone that carries it: "S1" .. "C4"
+  double width, height;      // [m]
+  Eigen::Vector3d position;  // centre, in the frame of the bone [m], y > 0
+  Eigen::Vector3d normal;    // out of the face, in the frame of the bone, unit
+};
+
+struct CostalJoint {
+  std::string level;         // "T1" .. "T12"
+  bool costotransverse;      // else costovertebral
+  Eigen::Vector3d position;  // left side, vertebra frame [m]
+};
+
+struct Ligament {
+  std::string name, group;
+  Side side;
+  double max_length_ratio;  // l_max over the length at rest
+};
+
+struct Segment {  // a body that is not a vertebra; left side of a pair
+  std::string name;
+  double mass;
+  Eigen::Vector3d com;       // standing body [m]
+  Eigen::Vector3d gyration;  // radii of gyration [m] along the axes of `axes`
+  Eigen::Matrix3d axes;      // columns: principal axes in the standing body, z along the segment
+};
+
+struct BallJoint {  // left side of a pair
+  std::string name, parent, child;
+  Eigen::Vector3d position;  // [m]
+  double limit;              // half angle of the cone about the rest orientation [rad], 0: none
+  double stiffness, damping, armature;
+};
+
+struct Servo {        // left side of a pair
+  std::string joint;  // ball joint, or "lumbar", "thoracic", "cervical" for discs of that region
+  std::string motion;
+  Eigen::Vector3d axis;
+  double min, max;  // [rad]; 0 for the rows of a region
+  double kp, kv, force_limit;
+};
+
+struct RangeOfMotion {  // [rad], > 0
+  double flexion, extension, lateral_bending, axial_rotation;
+};
+
+struct Anatomy {
+  std::vector<Vertebra> vertebrae;  // L5 .. C3, from below
+  Vertebra c2;                      // part of the head body
+  std::vector<Disc> discs;          // L5/S1 .. C2/C3, from below
+  std::vector<ArticularFacet> facets;
+  std::vector<CostalJoint> costal_joints;
+  std::vector<Ligament> ligaments;
+  std::map<std::string, Eigen::Vector3d> landmarks;  // left side of a pair
+  std::vector<Segment> segments;
+  std::vector<BallJoint> joints;
+  std::vector<Servo> servos;
+  std::map<std::string, RangeOfMotion> range_of_motion;  // by disc
+
+  // Throws std::runtime_error that names the file, line and column at fault.
+  static Anatomy load(const std::string& folder);
+
+  // By name; "S1" has a frame too: the S1 upper endplate's, pitched by the sacral slope.
+  Eigen::Isometry3d boneFrame(const std::string& level) const;
+  const Vertebra& vertebra(const std::string& level) const;  // includes C2; throws if unknown
+  const Eigen::Vector3d& landmark(const std::string& name) const;
+  const Segment& segment(const std::string& name) const;
+  double sacral_slope = 0;  // pitch of the S1 endplate [rad]
+  double stature() const;   // head vertex to sole [m]
+  double mass() const;      // [kg]
+};
+
+// y -> -y, for points; and for rotation axes, which turn the other way in a mirror.
+Eigen::Vector3d mirror(const Eigen::Vector3d& point);
+Eigen::Vector3d mirrorAxis(const Eigen::Vector3d& axis);
+
+}  // namespace torso

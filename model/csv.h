@@ -1,0 +1,35 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace torso {
+
+// A comma-separated table with a header row, read whole. Lines that start with '#' are comments.
+class CsvTable {
+ public:
+  // Throws std::runtime_error "file:line: what is wrong" (missing file, row with too many or too
+  // few cells, no header).
+  explicit CsvTable(const std::string& path);
+
+  int rows() const { return static_cast<int>(cells_.size()); }
+  // Cell as text. Throws if the column does not exist.
+  const std::string& text(int row, const std::string& column) const;
+  // Cell as a finite number. Throws "file:line: column ... is not a number".
+  double number(int row, const std::string& column) const;
+  bool empty(int row, const std::string& column) const { return text(row, column).empty(); }
+  // First row whose `column` holds `value`; throws if there is none.
+  int find(const std::string& column, const std::string& value) const;
+
+ private:
+  std::string where(int row) const;
+
+  std::string path_;
+  std::unordered_map<std::string, int> columns_;
+  std::vector<std::vector<std::string>> cells_;
+  std::vector<int> lines_;
+};
+
+}  // namespace torso
