@@ -9,7 +9,6 @@
 namespace torso::plugin {
 namespace {
 
-using Eigen::Map;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -105,9 +104,9 @@ void applyDiscs(const mjModel* m, mjData* d, const Instance& instance) {
     addWrench(m, d, disc.upper_body, force, moment, X.position, d->qfrc_passive);
     addWrench(m, d, disc.lower_body, -force, -moment, X.position, d->qfrc_passive);
     mjtNum* result = state + layout.result + StateLayout::kResult * i;
-    Map<Vector3d>(result) = force;
-    Map<Vector3d>(result + 3) = moment;
-    Map<Vector3d>(result + 6) = X.position;
+    mju_copy3(result, force.data());
+    mju_copy3(result + 3, moment.data());
+    mju_copy3(result + 6, X.position.data());
     result[9] = wrenches[i].pressure;
   }
   d->pstack = mark;

@@ -49,12 +49,6 @@ Registry& registry() {
   return instance;
 }
 
-std::uint64_t bitsOf(mjtNum value) {
-  std::uint64_t bits;
-  std::memcpy(&bits, &value, sizeof bits);
-  return bits;
-}
-
 // The note is read and written by any thread that meets the model first.
 mjtNum* noteOf(const mjModel* m, int numeric) {
   return const_cast<mjtNum*>(m->numeric_data) + m->numeric_adr[numeric] + 1;
