@@ -43,6 +43,10 @@ std::atomic<const DiscKernels*>& kernelsInUse() {
 // to, as twice the offset and twice the `rotation` of HalfwayFrame; zero is rest.
 constexpr int kPoseSize = 6;
 
+// Where the endplates move by more than this share of the disc's height relative to each other, a
+// full correction with the rest Hessian can overshoot and its length is chosen by the curvature.
+constexpr double kLargeStrain = 0.2;
+
 }  // namespace
 
 struct DiscBatch::Impl {
@@ -127,7 +131,9 @@ int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* s
     alignas(64) float largest[kLanes] = {};
     alignas(64) float threshold[kLanes] = {};
     alignas(64) float w[6 * kLanes], w_new[6 * kLanes], change[kLanes];
+    alignas(64) float work[kLanes], extra[kLanes], factor[kLanes];
     std::fill(u + 3 * kLanes * view.nfree, u + 3 * kLanes * view.nnode, 0.0f);
+    bool deformed = false;
     const int nlane = static_cast<int>(group.discs.size());
     for (int lane = 0; lane < kLanes; ++lane) {
       if (lane >= nlane) {
@@ -146,6 +152,7 @@ int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* s
         pose_change[kLanes * k + lane] = static_cast<float>(value - old_pose[kLanes * k + lane]);
         new_pose[kLanes * k + lane] = value;
       }
+      const double large = kLargeStrain / 2 * disc.elasticity.height;
       const Matrix3d up = frame.half - Matrix3d::Identity();
       for (int i = view.nfree; i < view.nnode; ++i) {
         const bool lower = i < view.nfree + view.nlower;
@@ -153,6 +160,7 @@ int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* s
         const Vector3d rest(X[0], X[kLanes], X[2 * kLanes]);
         const Vector3d d = lower ? Vector3d(up.transpose() * rest - offset) : up * rest + offset;
         for (int k = 0; k < 3; ++k) u[kLanes * (3 * i + k) + lane] = static_cast<float>(d[k]);
+        deformed |= d.squaredNorm() > large * large;
       }
       active[lane] = 1;
       largest[lane] = static_cast<float>(0.5 * disc.elasticity.height);
@@ -164,7 +172,16 @@ int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* s
     for (bool again = true; again; ++iterations) {
       kernels.forces(view, u, f);
       kernels.wrench(view, u, f, w_new);
-      kernels.correct(view, active, largest, f, u, change);
+      kernels.solve(view, f, work, change);
+      for (int lane = 0; lane < kLanes; ++lane) factor[lane] = active[lane];
+      if (deformed) {
+        std::fill(f + 3 * kLanes * view.nfree, f + 3 * kLanes * view.nnode, 0.0f);
+        kernels.stiffening(view, u, f, extra);
+        for (int lane = 0; lane < nlane; ++lane) {
+          if (extra[lane] > 0) factor[lane] *= work[lane] / (work[lane] + extra[lane]);
+        }
+      }
+      kernels.apply(view, factor, largest, f, u);
       again = false;
       for (int lane = 0; lane < nlane; ++lane) {
         if (active[lane] == 0) continue;
