@@ -41,8 +41,10 @@ struct DiscKernels {
   // Local step: internal forces f (nnode x 3 x 8) [N] at displacements u.
   void (*forces)(const DiscGroupView&, const float* u, float* f);
   // Wrench (6 x 8) on the upper bone in frame M: half the difference of the forces on the two
-  // endplates, plus the residual's work on the response to the bones' motion.
-  void (*wrench)(const DiscGroupView&, const float* u, const float* f, float* wrench);
+  // endplates. correction (6 x 8) is the work of the residual on the response to the bones' motion:
+  // what a full correction with the rest Hessian adds to the wrench.
+  void (*wrench)(const DiscGroupView&, const float* u, const float* f, float* wrench,
+                 float* correction);
   // Solves with the rest Hessian for the free part of f, in place: the correction d. work (8) is
   // f d [J], change (8) the largest component of d.
   void (*solve)(const DiscGroupView&, float* f, float* work, float* change);
