@@ -192,29 +192,34 @@ mjvCamera frameBodies(const mjModel* m, const std::vector<const mjData*>& states
   const auto visible = [&](int g) {
     return option.geomgroup[std::clamp(m->geom_group[g], 0, mjNGROUP - 1)] != 0;
   };
-  const auto extentOfAll = [&](const mjtNum direction[3]) {
-    Interval all = extent(m, states.at(0), direction, visible);
+  // Furthest point of the bodies along a x + b y.
+  const auto reach = [&](double a, const mjtNum x[3], double b, const mjtNum y[3]) {
+    const mjtNum direction[3] = {a * x[0] + b * y[0], a * x[1] + b * y[1], a * x[2] + b * y[2]};
+    double furthest = -mjMAXVAL;
     for (const mjData* d : states) {
-      const Interval one = extent(m, d, direction, visible);
-      all = {std::min(all.min, one.min), std::max(all.max, one.max)};
+      furthest = std::max(furthest, extent(m, d, direction, visible).max);
     }
-    return all;
+    return furthest;
   };
-  const Interval across = extentOfAll(right);
-  const Interval upward = extentOfAll(up);
-  const Interval along = extentOfAll(forward);
-  if (across.empty()) return camera;
+  const double front = -reach(-1, forward, 0, up), back = reach(1, forward, 0, up);
+  if (front > back) return camera;
 
-  for (int i = 0; i < 3; i++) {
-    camera.lookat[i] = ((across.min + across.max) * right[i] + (upward.min + upward.max) * up[i] +
-                        (along.min + along.max) * forward[i]) /
-                       2;
-  }
-  // The box around the bodies fits if its front face does; 8 % are left around it.
-  const double tangent = std::tan(m->vis.global.fovy * mjPI / 360);
-  const double half = std::max((upward.max - upward.min) / 2,
-                               (across.max - across.min) / (2 * std::max(aspect, 1e-3)));
-  camera.distance = 1.08 * half / tangent + (along.max - along.min) / 2;
+  // The planes of the view frustum go through the camera, and where they touch the bodies gives its
+  // place: its coordinate across is the middle, the one along is as near as both planes allow.
+  const auto touch = [&](const mjtNum across[3], double half_angle, double& middle) {
+    const double c = std::cos(half_angle), s = std::sin(half_angle);
+    const double one = reach(c, across, -s, forward), other = reach(-c, across, -s, forward);
+    middle = (one - other) / (2 * c);
+    return -(one + other) / (2 * s);
+  };
+  constexpr double kMargin = 0.92;  // of the picture is filled
+  const double tangent = kMargin * std::tan(m->vis.global.fovy * mjPI / 360);
+  double x, y;
+  const double position =
+      std::min(touch(right, std::atan(aspect * tangent), x), touch(up, std::atan(tangent), y));
+  const double middle = (front + back) / 2;
+  camera.distance = middle - position;
+  for (int i = 0; i < 3; i++) camera.lookat[i] = x * right[i] + y * up[i] + middle * forward[i];
   return camera;
 }
 

@@ -331,8 +331,9 @@ void ControlSignal::drawTargets(const mjModel* m, std::int64_t interval) {
     const mjtNum* range = m->actuator_ctrlrange + 2 * i;
     const double low = m->actuator_ctrllimited[i] ? range[0] : -1;
     const double high = m->actuator_ctrllimited[i] ? range[1] : 1;
+    const double rest = std::clamp(0., low, high);
     const double target = low + (high - low) * uniform(seed_, interval, i);
-    to_[i] = std::clamp(amplitude_ * target, low, high);
+    to_[i] = rest + amplitude_ * (target - rest);
   }
 }
 

@@ -19,8 +19,9 @@ namespace torso::tools {
 // What drives the actuators:
 // kNone    nothing: actuation is switched off
 // kHold    the controls of the start state, for good (0, or those of the keyframe)
-// kRandom  every 0.1 s a new target in each actuator's control range ([-1, 1] if it has none) times
-//          the amplitude, reached smoothly. A function of seed, actuator and time alone
+// kRandom  every 0.1 s a new target, uniform in each actuator's control range ([-1, 1] if it has
+//          none) shrunk by the amplitude towards 0 or what is nearest to it, and reached smoothly.
+//          A function of seed, actuator and time alone
 enum class Control { kNone, kHold, kRandom };
 
 struct RolloutOptions {
