@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <future>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "tools/clock.h"
@@ -60,11 +60,25 @@ RolloutOptions scenario(double seconds) {
   return options;
 }
 
+// A model at one of the rates that the result's keys name.
+struct Subject {
+  Subject(const std::string& file, double rate) : path(file), m(loadModel(file)) {
+    torsoOf(m.get(), path);
+    configureModel(m.get(), scenario(0), 1 / rate);
+    d = makeData(m.get());
+  }
+
+  std::string path;
+  ModelPtr m;
+  DataPtr d;
+};
+
 struct StepCost {
   double step_us, passive_us;  // processor time of a step, and of the callback in it
 };
 
-StepCost measure(const mjModel* m, mjData* d, double seconds, std::uint64_t seed) {
+StepCost measure(const Subject& subject, mjData* d, double seconds, std::uint64_t seed) {
+  const mjModel* m = subject.m.get();
   const RolloutOptions options = scenario(seconds);
   startRun(m, d, options);
   ControlSignal controls(m, d, options, seed);
@@ -72,16 +86,17 @@ StepCost measure(const mjModel* m, mjData* d, double seconds, std::uint64_t seed
   const double start = threadSeconds();
   const auto steps = static_cast<double>(simulate(m, d, controls, seconds));
   const double spent = threadSeconds() - start;
+  const std::string warning = firstWarning(d);
+  if (!warning.empty()) {
+    throw Error(fmt::format("{}: seed {} at {:.0f} Hz is not worth measuring: {}", subject.path,
+                            seed, 1 / m->opt.timestep, warning));
+  }
   return {1e6 * spent / steps, 1e6 * passive_seconds / steps};
 }
 
-// Wall time of one run on each of two threads at once [s].
-double measureTwo(const mjModel* m, mjData* d[2], double seconds, std::uint64_t seed) {
-  const auto start = std::chrono::steady_clock::now();
-  std::thread other([&] { measure(m, d[1], seconds, seed); });
-  measure(m, d[0], seconds, seed);
-  other.join();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+double wallSeconds() {
+  using std::chrono::steady_clock;
+  return std::chrono::duration<double>(steady_clock::now().time_since_epoch()).count();
 }
 
 double median(std::vector<double> values) {
@@ -99,44 +114,40 @@ std::string fixedModelBeside(const std::string& model) {
   return std::filesystem::exists(path) ? path.string() : "";
 }
 
-// Time step of a rate that is written in the result's keys.
-ModelPtr loadAt(const std::string& path, double rate) {
-  ModelPtr m = loadModel(path);
-  configureModel(m.get(), scenario(0), 1 / rate);
-  torsoOf(m.get(), path);
-  return m;
-}
-
 Json bench(const Options& options) {
   const std::string path = options.model.empty() ? mjcfFolder() + "/human.xml" : options.model;
   const std::string fixed_path = options.fixed.empty() ? fixedModelBeside(path) : options.fixed;
-  const ModelPtr at600 = loadAt(path, 600), at200 = loadAt(path, 200);
-  const ModelPtr fixed = fixed_path.empty() ? nullptr : loadAt(fixed_path, 600);
-  const DataPtr d600 = makeData(at600.get()), d200 = makeData(at200.get());
-  const DataPtr second = makeData(at600.get());
-  const DataPtr d_fixed = fixed ? makeData(fixed.get()) : nullptr;
-  mjData* two[2] = {d600.get(), second.get()};
+  const Subject at600(path, 600), at200(path, 200);
+  const DataPtr second = makeData(at600.m.get());
+  std::unique_ptr<Subject> fixed;
+  if (!fixed_path.empty()) fixed = std::make_unique<Subject>(fixed_path, 600);
 
   // Everything in turn in each repetition, so that what else the machine does hits all alike. The
   // first repetition warms up and does not count.
   std::vector<double> step600, disc600, step200, disc200, ratio, speedup;
+  const double seconds = options.seconds;
   const PassiveTimer timer;
-  for (int i = 0; i <= options.repetitions; i++) {
-    const auto wall_start = std::chrono::steady_clock::now();
-    const StepCost cost600 = measure(at600.get(), d600.get(), options.seconds, i);
-    const double wall =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
-    const StepCost cost_fixed =
-        fixed ? measure(fixed.get(), d_fixed.get(), options.seconds, i) : StepCost{};
-    const StepCost cost200 = measure(at200.get(), d200.get(), options.seconds, i);
-    const double wall_two = measureTwo(at600.get(), two, options.seconds, i);
-    if (i == 0) continue;
+  for (int seed = 0; seed <= options.repetitions; seed++) {
+    const double start = wallSeconds();
+    const StepCost cost600 = measure(at600, at600.d.get(), seconds, seed);
+    const double wall_one = wallSeconds() - start;
+    const StepCost cost_fixed = fixed ? measure(*fixed, fixed->d.get(), seconds, seed) : StepCost{};
+    const StepCost cost200 = measure(at200, at200.d.get(), seconds, seed);
+
+    const double start_two = wallSeconds();
+    auto other =
+        std::async(std::launch::async, [&] { return measure(at600, second.get(), seconds, seed); });
+    measure(at600, at600.d.get(), seconds, seed);
+    other.get();
+    const double wall_two = wallSeconds() - start_two;
+
+    if (seed == 0) continue;
     step600.push_back(cost600.step_us);
     disc600.push_back(cost600.passive_us);
     step200.push_back(cost200.step_us);
     disc200.push_back(cost200.passive_us);
     if (fixed) ratio.push_back(cost600.step_us / cost_fixed.step_us);
-    speedup.push_back(2 * wall / wall_two);
+    speedup.push_back(2 * wall_one / wall_two);
   }
 
   return {{"model", path},

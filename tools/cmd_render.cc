@@ -27,6 +27,7 @@ void render(Options options) {
   const ModelPtr m = loadModel(options.model);
   torsoOf(m.get(), options.model);
   options.rollout.keyframe = keyframeId(m.get(), options.keyframe, options.model);
+  checkDrop(m.get(), options.rollout, options.model);
   configureModel(m.get(), options.rollout, 0);
   const mjvOption visibility = options.picture.visibility();
 

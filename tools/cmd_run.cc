@@ -200,6 +200,7 @@ void run(Options options) {
   const ModelPtr m = loadModel(options.model);
   const torsoInfo torso = torsoOf(m.get(), options.model);
   options.rollout.keyframe = keyframeId(m.get(), options.keyframe, options.model);
+  checkDrop(m.get(), options.rollout, options.model);
   configureModel(m.get(), options.rollout, options.timestep);
   options.picture.visibility();  // refuse a wrong layer before the work, not after it
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "tools/error.h"
 #include "tools/rollout.h"
 
 namespace torso::tools {
@@ -27,6 +28,15 @@ inline void addControlOptions(CLI::App& command, RolloutOptions& options) {
       ->capture_default_str();
   command.add_option("--drop", options.lift, "Start with every free body so much higher [m]")
       ->capture_default_str();
+}
+
+// Throws Error "<path>: ..." if --drop asks for what the model cannot do.
+inline void checkDrop(const mjModel* m, const RolloutOptions& options, const std::string& path) {
+  if (options.lift == 0) return;
+  for (int j = 0; j < m->njnt; j++) {
+    if (m->jnt_type[j] == mjJNT_FREE) return;
+  }
+  throw Error(path + ": no free body that --drop could lift; leave the option out");
 }
 
 }  // namespace torso::tools

@@ -48,6 +48,13 @@ std::vector<std::string> takeWarnings() {
   return std::exchange(warnings, {});
 }
 
+std::string firstWarning(const mjData* d) {
+  for (int i = 0; i < mjNWARNING; i++) {
+    if (d->warning[i].number) return mju_warningText(i, d->warning[i].lastinfo);
+  }
+  return "";
+}
+
 ModelPtr loadModel(const std::string& path) {
   if (!std::filesystem::exists(path))
     throw Error(path + ": no such file; give the path of a model");

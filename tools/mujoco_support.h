@@ -28,6 +28,9 @@ long threadWarnings();
 // Take the warnings of all threads since the last call, each text once, in order of appearance.
 std::vector<std::string> takeWarnings();
 
+// What MuJoCo has warned of in d since its reset, the first kind of warning; "" if nothing.
+std::string firstWarning(const mjData* d);
+
 // Load a model from MJCF, URDF or MJB. Throws Error "<path>: ..." if it cannot.
 ModelPtr loadModel(const std::string& path);
 // Throws Error if there is not enough memory.

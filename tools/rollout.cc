@@ -236,13 +236,6 @@ long countWarnings(const mjData* d) {
   return count;
 }
 
-std::string describeWarnings(const mjData* d) {
-  for (int i = 0; i < mjNWARNING; i++) {
-    if (d->warning[i].number) return mju_warningText(i, d->warning[i].lastinfo);
-  }
-  return "a warning of a MuJoCo callback";
-}
-
 std::int64_t stepsOf(const mjModel* m, double seconds) {
   return std::max<std::int64_t>(1, std::llround(seconds / m->opt.timestep));
 }
@@ -276,7 +269,9 @@ struct Worker {
         // mjData counts MuJoCo's own warnings; those of callbacks come to the handler only.
         result.warnings = std::max(countWarnings(d.get()), threadWarnings() - warnings_before);
         if (result.warnings) {
-          result.failure = fmt::format("{} (at {:.3f} s)", describeWarnings(d.get()), time);
+          std::string what = firstWarning(d.get());
+          if (what.empty()) what = "a warning from a callback";
+          result.failure = fmt::format("{} (at {:.3f} s)", what, time);
           break;
         }
         monitor.sample(d.get(), time);
