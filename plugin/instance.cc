@@ -315,8 +315,8 @@ Instance::Instance(const mjModel* m) {
       }
     }
     for (std::size_t f = 0; f < facets.size(); f++) {
-      if (between(m->geom_bodyid[facets[f].ellipsoid_geom],
-                  m->geom_bodyid[facets[f].point_geoms[0]])) {
+      const auto bone = [&](int geom) { return m->body_weldid[m->geom_bodyid[geom]]; };
+      if (between(bone(facets[f].ellipsoid_geom), bone(facets[f].point_geoms[0]))) {
         levels[i].facets.push_back(static_cast<int>(f));
       }
     }

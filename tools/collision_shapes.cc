@@ -6,22 +6,24 @@
 namespace torso::tools {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Shapes = std::vector<CollisionShape>;
 
 CollisionShape capsule(const char* kind, const Vector3d& from, const Vector3d& to, double radius) {
-  return {CollisionShape::Type::kCapsule, kind, from, to, {radius, 0, 0}};
+  return {kind, from, to, radius};
 }
 
-CollisionShape ellipsoid(const char* kind, const Vector3d& centre, const Vector3d& half_axes,
-                         const Matrix3d& axes = Matrix3d::Identity()) {
-  return {CollisionShape::Type::kEllipsoid, kind, centre, centre, half_axes, axes};
+// Shapes on the mid-line, and those on the left with their mirror images.
+Shapes withMirror(Shapes shapes, const Shapes& left) {
+  for (const CollisionShape& s : left) {
+    shapes.push_back(s);
+    shapes.push_back({s.kind, mirror(s.from), mirror(s.to), s.radius});
+  }
+  return shapes;
 }
 
 Shapes vertebra(const Vertebra& v) {
   const Eigen::Isometry3d X = v.frame();
-  const double height = (v.body_height_anterior + v.body_height_posterior) / 2;
   if (v.region == Region::kThoracic) {
     // Only the spinous process can meet the floor; the rib cage covers the rest.
     const double d = v.spinous_declination;
@@ -29,9 +31,12 @@ Shapes vertebra(const Vertebra& v) {
     return {capsule("spine", X * (0.5 * v.spinous_tip_distance * along),
                     X * ((v.spinous_tip_distance - 0.004) * along), 0.010)};
   }
+  // Flesh at this level: a capsule across the body.
   const bool lumbar = v.region == Region::kLumbar;
-  const Vector3d half(v.slice_half_depth, v.slice_half_width * (lumbar ? 0.9 : 1), 0.75 * height);
-  return {ellipsoid(lumbar ? "trunk" : "spine", X * v.slice_com, half, X.linear())};
+  const double radius = lumbar ? 0.085 : 0.052, reach = lumbar ? 0.055 : 0.006;
+  const Vector3d centre = v.slice_com + Vector3d(lumbar ? -0.008 : 0.005, 0, 0);
+  return {capsule(lumbar ? "trunk" : "spine", X * (centre + Vector3d(0, -reach, 0)),
+                  X * (centre + Vector3d(0, reach, 0)), radius)};
 }
 
 // Bone-length shapes of one limb segment between two landmarks.
@@ -46,27 +51,33 @@ Shapes leftOrMiddle(const Anatomy& a, const std::string& name) {
   if (name == "pelvis") {
     const Vector3d hip = at("hip_joint_centre");
     const Vector3d wing(-0.02, 0.07, -0.03), seat(-0.03, 0.065, -0.15);
-    Shapes shapes = {ellipsoid("trunk", {-0.025, 0, -0.06}, {0.085, 0.15, 0.08}),
-                     capsule("trunk", wing, hip + Vector3d(-0.02, -0.01, 0), 0.07),
-                     capsule("trunk", hip + Vector3d(-0.04, -0.015, 0.01), seat, 0.055)};
-    for (int i = 1; i < 3; i++) {
-      shapes.push_back(
-          capsule("trunk", mirror(shapes[i].from), mirror(shapes[i].to), shapes[i].size.x()));
-    }
-    return shapes;
+    return withMirror({capsule("trunk", {-0.04, -0.05, -0.05}, {-0.04, 0.05, -0.05}, 0.065)},
+                      {capsule("trunk", wing, hip + Vector3d(-0.02, -0.01, 0), 0.07),
+                       capsule("trunk", hip + Vector3d(-0.04, -0.015, 0.01), seat, 0.055)});
   }
   if (name == "ribcage") {
     const Vector3d ij = at("suprasternal_notch_IJ"), px = at("xiphoid_PX");
-    Shapes shapes = {
-        ellipsoid("trunk", ij + Vector3d(-0.058, 0, -0.145), {0.1, 0.145, 0.2}),
-        capsule("trunk", ij + Vector3d(-0.02, 0, -0.02), px + Vector3d(-0.02, 0, 0), 0.025),
-        capsule("trunk", {-0.062, 0.06, 0.19}, {-0.062, 0.055, 0.36}, 0.035)};
-    shapes.push_back(capsule("trunk", mirror(shapes[2].from), mirror(shapes[2].to), 0.035));
-    return shapes;
+    // Barrel: capsules across the body, as wide as the ribs, from the costal margin to the top.
+    Shapes middle = {
+        capsule("trunk", ij + Vector3d(-0.02, 0, -0.02), px + Vector3d(-0.02, 0, 0), 0.025)};
+    const struct {
+      double x, z, half_width, radius;
+    } rungs[] = {{0.030, 0.16, 0.055, 0.080},
+                 {0.028, 0.22, 0.060, 0.085},
+                 {0.020, 0.28, 0.060, 0.085},
+                 {0.012, 0.34, 0.050, 0.080},
+                 {0.010, 0.39, 0.030, 0.065}};
+    for (const auto& r : rungs) {
+      middle.push_back(
+          capsule("trunk", {r.x, -r.half_width, r.z}, {r.x, r.half_width, r.z}, r.radius));
+    }
+    return withMirror(middle,
+                      {capsule("trunk", {-0.055, 0.06, 0.19}, {-0.055, 0.055, 0.36}, 0.035)});
   }
   if (name == "head") {
     const Vector3d vertex = at("head_vertex"), ear = at("external_auditory_meatus");
-    return {ellipsoid("limb", {ear.x() + 0.005, 0, vertex.z() - 0.085}, {0.098, 0.078, 0.085}),
+    const double z = vertex.z() - 0.080;
+    return {capsule("limb", {ear.x() - 0.014, 0, z}, {ear.x() + 0.020, 0, z}, 0.080),
             capsule("limb", {ear.x() + 0.05, 0, ear.z() - 0.015},
                     {ear.x() + 0.06, 0, ear.z() - 0.06}, 0.035)};
   }

@@ -9,14 +9,12 @@
 
 namespace torso::tools {
 
-// One convex shape of a body's outline, skin included, for contacts. In the standing body [m].
+// One capsule of a body's outline, skin included, for contacts (analytic, unlike ellipsoids and
+// meshes, whose contacts would cost more than the torso). In the standing body [m].
 struct CollisionShape {
-  enum class Type { kCapsule, kEllipsoid };
-  Type type;
   std::string kind;          // default class: "spine", "trunk" or "limb"
-  Eigen::Vector3d from, to;  // capsule: end points; ellipsoid: centre in `from`
-  Eigen::Vector3d size;      // capsule: radius in x; ellipsoid: half axes
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // ellipsoid: columns are its axes
+  Eigen::Vector3d from, to;  // end points of the axis
+  double radius;
 };
 
 // Shapes of one body (names as in model/body.h). Flesh thickness is assumed.

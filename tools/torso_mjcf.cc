@@ -69,6 +69,7 @@ class Writer {
                         const std::string& body);
   void writeBones(XMLElement* element, const std::string& body);
   void writeInertial(XMLElement* element, const std::string& body);
+  XMLElement* facetBody(const std::string& body);
   void writeSites();
   void writeContacts();
   void writeTendons();
@@ -81,7 +82,7 @@ class Writer {
   const Anatomy& a_;
   const MjcfOptions& o_;
   XMLElement* root_;
-  std::map<std::string, XMLElement*> bodies_;
+  std::map<std::string, XMLElement*> bodies_, facet_bodies_;
   std::vector<Facet> facets_;
   std::vector<LigamentSegment> ligaments_;
   std::vector<DiscMesh> discs_;
@@ -320,13 +321,8 @@ void Writer::writeBones(XMLElement* element, const std::string& body) {
     const std::string name = body + "_collision" + std::to_string(count++);
     Element geom(element, "geom");
     geom.set("name", named(name)).set("class", named(shape.kind));
-    if (shape.type == CollisionShape::Type::kCapsule) {
-      geom.set("type", "capsule").set("size", shape.size.x());
-      geom.set("fromto", mjcfText(local(body, shape.from)) + " " + mjcfText(local(body, shape.to)));
-    } else {
-      geom.set("type", "ellipsoid").set("size", shape.size).set("pos", local(body, shape.from));
-      geom.set("quat", localRotation(body, shape.axes));
-    }
+    geom.set("type", "capsule").set("size", shape.radius);
+    geom.set("fromto", mjcfText(local(body, shape.from)) + " " + mjcfText(local(body, shape.to)));
   }
 }
 
@@ -396,6 +392,17 @@ void Writer::writeBodies() {
       .set("xyaxes", {-0.38, -0.93, 0, 0.15, -0.06, 1});
 }
 
+// A massless body, fixed to its bone, for the geoms of facets: they meet nothing but each other,
+// and here the broad phase of collision detection never looks at them.
+XMLElement* Writer::facetBody(const std::string& body) {
+  XMLElement*& element = facet_bodies_[body];
+  if (!element) {
+    element = Element(bodies_[body], "body").set("name", named(body + "_facets"));
+    Element(element, "inertial").set("pos", {0, 0, 0}).set("mass", 0).set("diaginertia", {0, 0, 0});
+  }
+  return element;
+}
+
 void Writer::writeSites() {
   for (const Disc& disc : a_.discs) {
     for (const auto& [level, suffix] : {std::pair{disc.lower, "_lower"}, {disc.upper, "_upper"}}) {
@@ -409,14 +416,14 @@ void Writer::writeSites() {
   }
   for (const Facet& facet : facets_) {
     const Isometry3d X = frame(facet.ellipsoid_body).inverse() * facet.ellipsoid;
-    Element(bodies_[facet.ellipsoid_body], "geom")
+    Element(facetBody(facet.ellipsoid_body), "geom")
         .set("name", named(facet.name + "_ellipsoid"))
         .set("class", named("facet_ellipsoid"))
         .set("size", facet.radii)
         .set("pos", Vector3d(X.translation()))
         .set("quat", Quaterniond(X.linear()));
     for (int i = 0; i < 4; i++) {
-      Element(bodies_[facet.points_body], "geom")
+      Element(facetBody(facet.points_body), "geom")
           .set("name", named(facet.name + "_point" + std::to_string(i)))
           .set("class", named("facet_point"))
           .set("pos", local(facet.points_body, facet.points[i]));
