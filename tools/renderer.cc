@@ -177,6 +177,28 @@ void setVisible(mjvOption& option, const std::string& layer_or_group, bool visib
                   layer_or_group, fmt::join(layerNames(), ", "), mjNGROUP - 1));
 }
 
+namespace {
+
+bool isVisible(const mjtByte groups[mjNGROUP], int group) {
+  return groups[std::clamp(group, 0, mjNGROUP - 1)] != 0;
+}
+
+// Largest dot(direction, x) over the points x of visible body geoms and tendons.
+double visibleReach(const mjModel* m, const mjData* d, const mjvOption& option,
+                    const mjtNum direction[3]) {
+  const auto visible = [&](int g) { return isVisible(option.geomgroup, m->geom_group[g]); };
+  double furthest = extent(m, d, direction, visible).max;
+  for (int i = 0; i < m->ntendon; i++) {
+    if (!isVisible(option.tendongroup, m->tendon_group[i])) continue;
+    for (int p = d->ten_wrapadr[i]; p < d->ten_wrapadr[i] + d->ten_wrapnum[i]; p++) {
+      furthest = std::max(furthest, mju_dot3(direction, d->wrap_xpos + 3 * p));
+    }
+  }
+  return furthest;
+}
+
+}  // namespace
+
 mjvCamera frameBodies(const mjModel* m, const std::vector<const mjData*>& states,
                       const mjvOption& option, double azimuth, double elevation, double aspect) {
   mjvCamera camera;
@@ -189,15 +211,12 @@ mjvCamera frameBodies(const mjModel* m, const std::vector<const mjData*>& states
   const mjtNum right[3] = {std::sin(a), -std::cos(a), 0};
   mjtNum up[3];
   mju_cross(up, right, forward);
-  const auto visible = [&](int g) {
-    return option.geomgroup[std::clamp(m->geom_group[g], 0, mjNGROUP - 1)] != 0;
-  };
-  // Furthest point of the bodies along a x + b y.
+  // Furthest point of what is visible along a x + b y.
   const auto reach = [&](double a, const mjtNum x[3], double b, const mjtNum y[3]) {
     const mjtNum direction[3] = {a * x[0] + b * y[0], a * x[1] + b * y[1], a * x[2] + b * y[2]};
     double furthest = -mjMAXVAL;
     for (const mjData* d : states) {
-      furthest = std::max(furthest, extent(m, d, direction, visible).max);
+      furthest = std::max(furthest, visibleReach(m, d, option, direction));
     }
     return furthest;
   };

@@ -40,8 +40,8 @@ const std::vector<std::string>& layerNames();
 // "skin:1". Throws Error that lists the choices.
 void setVisible(mjvOption& option, const std::string& layer_or_group, bool visible);
 
-// A free camera with the given direction [deg] that has all visible geoms of the bodies, in each of
-// the given states, in a picture of the given aspect (width by height). Needs mj_kinematics.
+// A free camera with the given direction [deg] that has all visible body geoms and tendons, in each
+// of the given states, in a picture of the given aspect (width by height). Needs mj_fwdPosition.
 mjvCamera frameBodies(const mjModel* m, const std::vector<const mjData*>& states,
                       const mjvOption& option, double azimuth, double elevation, double aspect);
 

@@ -4,19 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <string>
 
+#include "tests/tools/model_from_text.h"
 #include "tools/mujoco_support.h"
 
 namespace torso::tools {
 namespace {
-
-ModelPtr modelOf(const std::string& name, const std::string& xml) {
-  const std::string path = testing::TempDir() + name;
-  std::ofstream(path) << "<mujoco>" << xml << "</mujoco>";
-  return loadModel(path);
-}
 
 Interval extentOf(const mjModel* m, const mjtNum direction[3]) {
   const DataPtr d = makeData(m);
@@ -39,13 +33,12 @@ TEST(Extent, IsExactForEveryShape) {
       {"type='mesh' mesh='box'", 0.1 * c + 0.5 * s},
   };
   for (const auto& test : kCases) {
-    const ModelPtr m = modelOf(
-        "shape.xml",
+    const ModelPtr m = modelFromText(
         std::string("<asset><mesh name='box' vertex='-.1 -.2 -.5  .1 -.2 -.5  -.1 .2 -.5  .1 .2 -.5"
                     "  -.1 -.2 .5  .1 -.2 .5  -.1 .2 .5  .1 .2 .5'/></asset>"
                     "<worldbody><geom type='plane' size='9 9 9'/><body pos='7 0 0' euler='0 30 0'>"
                     "<geom ") +
-            test.geom + "/></body></worldbody>");
+        test.geom + "/></body></worldbody>");
     const mjtNum x[3] = {1, 0, 0}, minus_two_x[3] = {-2, 0, 0};
     const Interval along = extentOf(m.get(), x);
     EXPECT_NEAR(along.min, 7 - test.half, 1e-6) << test.geom;
@@ -55,20 +48,20 @@ TEST(Extent, IsExactForEveryShape) {
 }
 
 TEST(Extent, StatureIsFromTheLowestToTheHighestGeom) {
-  const ModelPtr m = modelOf("stature.xml",
-                             "<worldbody><geom type='plane' size='9 9 9'/>"
-                             "<geom type='box' size='1 1 5'/>"
-                             "<body pos='0 0 0.7'><freejoint/>"
-                             "<geom type='capsule' size='0.1' fromto='0 0 -0.5 0 0 0.5'/>"
-                             "<body pos='0 0 0.8'><geom type='sphere' size='0.15' contype='0' "
-                             "conaffinity='0'/></body></body></worldbody>");
+  const ModelPtr m = modelFromText(
+      "<worldbody><geom type='plane' size='9 9 9'/>"
+      "<geom type='box' size='1 1 5'/>"
+      "<body pos='0 0 0.7'><freejoint/>"
+      "<geom type='capsule' size='0.1' fromto='0 0 -0.5 0 0 0.5'/>"
+      "<body pos='0 0 0.8'><geom type='sphere' size='0.15' contype='0' "
+      "conaffinity='0'/></body></body></worldbody>");
   EXPECT_NEAR(stature(m.get()), 0.8 + 0.15 + 0.5 + 0.1, 1e-12);
 }
 
 TEST(Extent, AModelWithoutGeomsHasNone) {
-  const ModelPtr m = modelOf("empty.xml",
-                             "<worldbody><body><joint/><inertial pos='0 0 0' mass='1' "
-                             "diaginertia='1 1 1'/></body></worldbody>");
+  const ModelPtr m = modelFromText(
+      "<worldbody><body><joint/><inertial pos='0 0 0' mass='1' "
+      "diaginertia='1 1 1'/></body></worldbody>");
   EXPECT_EQ(stature(m.get()), 0);
 }
 

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "tests/tools/model_from_text.h"
 #include "tools/mujoco_support.h"
 
 namespace torso::tools {
@@ -18,12 +18,6 @@ namespace {
 const char kHumanoid[] = "/usr/share/mujoco/model/humanoid/humanoid.xml";
 
 const std::atomic<bool> kGoOn = false;
-
-ModelPtr modelOf(const std::string& name, const std::string& xml) {
-  const std::string path = testing::TempDir() + name;
-  std::ofstream(path) << "<mujoco>" << xml << "</mujoco>";
-  return loadModel(path);
-}
 
 TEST(LengthHistogram, QuantilesAreThoseOfTheSortedSamples) {
   std::mt19937 random(1);
@@ -45,12 +39,12 @@ TEST(LengthHistogram, QuantilesAreThoseOfTheSortedSamples) {
 }
 
 TEST(ControlSignal, StaysInTheScaledRangeMovesSmoothlyAndReachesMostOfIt) {
-  const ModelPtr m = modelOf("actuators.xml",
-                             "<option timestep='0.002'/><worldbody><body><joint name='j'/>"
-                             "<geom size='1'/></body></worldbody><actuator>"
-                             "<motor joint='j' ctrllimited='true' ctrlrange='-1 3'/>"
-                             "<motor joint='j' ctrllimited='true' ctrlrange='2 3'/>"
-                             "<motor joint='j'/></actuator>");
+  const ModelPtr m = modelFromText(
+      "<option timestep='0.002'/><worldbody><body><joint name='j'/>"
+      "<geom size='1'/></body></worldbody><actuator>"
+      "<motor joint='j' ctrllimited='true' ctrlrange='-1 3'/>"
+      "<motor joint='j' ctrllimited='true' ctrlrange='2 3'/>"
+      "<motor joint='j'/></actuator>");
   const DataPtr d = makeData(m.get());
   RolloutOptions options;
   options.control = Control::kRandom;
@@ -79,11 +73,10 @@ TEST(ControlSignal, StaysInTheScaledRangeMovesSmoothlyAndReachesMostOfIt) {
 }
 
 TEST(StartRun, LiftsEveryFreeBody) {
-  const ModelPtr m =
-      modelOf("bodies.xml",
-              "<worldbody><body pos='0 0 1'><freejoint/><geom size='.1'/><body pos='0 0 .3'>"
-              "<joint type='slide' axis='0 0 1'/><geom size='.1'/></body></body>"
-              "<body pos='1 0 2'><freejoint/><geom size='.1'/></body></worldbody>");
+  const ModelPtr m = modelFromText(
+      "<worldbody><body pos='0 0 1'><freejoint/><geom size='.1'/><body pos='0 0 .3'>"
+      "<joint type='slide' axis='0 0 1'/><geom size='.1'/></body></body>"
+      "<body pos='1 0 2'><freejoint/><geom size='.1'/></body></worldbody>");
   const DataPtr d = makeData(m.get());
   RolloutOptions options;
   options.lift = 0.75;
@@ -129,11 +122,11 @@ TEST(Rollout, IsPlainSteppingFromTheStart) {
 
 // A pendulum on a string that is 1 cm shorter than the bob is far: the first violation is known.
 TEST(Rollout, MeasuresHowFarATendonIsBeyondItsLimit) {
-  const ModelPtr m = modelOf("string.xml",
-                             "<worldbody><site name='a'/><body pos='0 0 -1'><freejoint/>"
-                             "<geom size='.1'/><site name='b'/></body></worldbody><tendon>"
-                             "<spatial limited='true' range='0 0.99'><site site='a'/>"
-                             "<site site='b'/></spatial></tendon>");
+  const ModelPtr m = modelFromText(
+      "<worldbody><site name='a'/><body pos='0 0 -1'><freejoint/>"
+      "<geom size='.1'/><site name='b'/></body></worldbody><tendon>"
+      "<spatial limited='true' range='0 0.99'><site site='a'/>"
+      "<site site='b'/></spatial></tendon>");
   RolloutOptions options;
   options.seconds = m->opt.timestep;
   const RolloutSummary summary = rollout(m.get(), options, {}, nullptr, kGoOn);
