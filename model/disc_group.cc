@@ -86,9 +86,8 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
   }
 
   inverse_edges_ = LaneArray(9 * ntet);
-  volume_ = LaneArray(ntet);
-  two_mu_ = LaneArray(1);
-  kappa_ = LaneArray(1);
+  weight_ = LaneArray(ntet);
+  ratio_ = LaneArray(1);
   limit_ = LaneArray(1);
   rest_ = LaneArray(3 * (nnode - nfree));
   response_ = LaneArray(18 * nfree);
@@ -98,11 +97,10 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
     const bool used = lane < static_cast<int>(meshes.size());
     const DiscMesh& mesh = *meshes[used ? lane : 0];
     const DiscElasticity& elasticity = *elasticities[used ? lane : 0];
-    two_mu_(0, lane) = static_cast<float>(2 * elasticity.mu);
-    kappa_(0, lane) = static_cast<float>(elasticity.kappa);
+    ratio_(0, lane) = static_cast<float>(elasticity.kappa / (2 * elasticity.mu));
     limit_(0, lane) = static_cast<float>(kLargestDisplacement * elasticity.size);
     for (int e = 0; e < ntet; ++e) {
-      volume_(e, lane) = static_cast<float>(elasticity.volume[e]);
+      weight_(e, lane) = static_cast<float>(2 * elasticity.mu * elasticity.volume[e]);
       for (int i = 0; i < 9; ++i) {
         inverse_edges_(9 * e + i, lane) =
             static_cast<float>(elasticity.inverse_edges[e](i / 3, i % 3));
@@ -177,9 +175,8 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
            ntet,
            tets_.data(),
            inverse_edges_.data(),
-           volume_.data(),
-           two_mu_.data(),
-           kappa_.data(),
+           weight_.data(),
+           ratio_.data(),
            rest_.data(),
            response_.data(),
            limit_.data(),
@@ -189,14 +186,12 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
            below_.data()};
 }
 
-void discStressBySvd(const float* F, float two_mu, float kappa, float* stress) {
+void discStressBySvd(const float* F, float ratio, float* stress) {
   Matrix3d G;
   for (int i = 0; i < 9; ++i) G(i / 3, i % 3) = F[i];
   const Projections p = project(G);
-  for (int i = 0; i < 9; ++i) {
-    stress[i] = static_cast<float>(two_mu * (G - p.rotation)(i / 3, i % 3) +
-                                   kappa * (G - p.isochoric)(i / 3, i % 3));
-  }
+  const Matrix3d S = (G - p.rotation) + ratio * (G - p.isochoric);
+  for (int i = 0; i < 9; ++i) stress[i] = static_cast<float>(S(i / 3, i % 3));
 }
 
 }  // namespace torso

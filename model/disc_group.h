@@ -46,7 +46,7 @@ class DiscGroup {
  private:
   DiscGroupView view_;
   std::vector<int> number_, tets_, column_, row_;
-  LaneArray inverse_edges_, volume_, two_mu_, kappa_, rest_, response_, limit_, diagonal_, below_;
+  LaneArray inverse_edges_, weight_, ratio_, rest_, response_, limit_, diagonal_, below_;
 };
 
 }  // namespace torso
