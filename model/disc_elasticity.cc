@@ -2,10 +2,11 @@
 #include "model/disc_elasticity.h"
 
 #include <Eigen/SVD>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
+#include <string>
 
 namespace torso {
 
