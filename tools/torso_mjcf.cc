@@ -28,8 +28,8 @@ constexpr int kCollisionGroup = 3, kFacetGroup = 4, kSiteGroup = 4;
 // limbs and head also meet each other, the rib cage, the lumbar slices and the pelvis.
 constexpr int kWorldBit = 1, kLimbBit = 2;
 
-// Facet pairs: the margin passes them through the bounding-sphere filter at any excursion. The gap is
-// so much larger that stock MuJoCo, to which a point on an ellipsoid is a penetration in any
+// Facet pairs: the margin passes them through the bounding-sphere filter at any excursion. The gap
+// is so much larger that stock MuJoCo, to which a point on an ellipsoid is a penetration in any
 // direction, never acts on them; the plugin reports distances below it (facet_collider.h).
 constexpr double kFacetMargin = 0.1, kFacetGap = 0.3;
 
@@ -488,7 +488,8 @@ void Writer::writeTendons() {
     Element spatial(tendons, "spatial");
     spatial.set("name", named(s.name))
         .set("class", named("ligament"))
-        .set("range", {0, s.max_length});
+        // A lower bound of 0 would make the viewer draw each as a sagging chain of 30 geoms.
+        .set("range", {-0.01, s.max_length});
     Element(spatial, "site").set("site", named(s.name + "_lower"));
     Element(spatial, "site").set("site", named(s.name + "_upper"));
   }
