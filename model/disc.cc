@@ -265,8 +265,8 @@ std::string checkDiscMesh(const DiscMesh& mesh) {
 
 std::string checkDiscMaterial(const DiscMaterial& material) {
   const double E = material.youngs_modulus, nu = material.poissons_ratio;
-  if (!(E > 0) || !std::isfinite(E)) {
-    return "Young's modulus " + std::to_string(E) + " Pa is not positive";
+  if (!(E > 0 && E <= 1e12)) {
+    return "Young's modulus " + std::to_string(E) + " Pa is not in (0, 1e12]";
   }
   if (!(nu >= 0 && nu < 0.5)) {
     return "Poisson's ratio " + std::to_string(nu) + " is not in [0, 0.5)";

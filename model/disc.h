@@ -35,7 +35,7 @@ struct DiscShape {
 // R the nearest rotation, P the nearest matrix of determinant 1, mu = E / (2 (1 + nu)) and
 // kappa = 3 E nu / ((1 + nu) (1 - 2 nu)), which linearises to Hooke's law with E and nu.
 struct DiscMaterial {
-  double youngs_modulus;  // E [Pa], > 0
+  double youngs_modulus;  // E [Pa], > 0, <= 1e12
   double poissons_ratio;  // nu, 0 <= nu < 0.5
 };
 

@@ -43,6 +43,19 @@ std::atomic<const DiscKernels*>& kernelsInUse() {
 // to, as twice the offset and twice the `rotation` of HalfwayFrame; zero is rest.
 constexpr int kPoseSize = 6;
 
+// Where the endplates move by more than this share of the disc's height relative to each other, a
+// full correction with the rest Hessian can overshoot and its length is chosen by the curvature.
+constexpr double kLargeStrain = 0.2;
+
+// The pose with a position no longer than `limit`: beyond it the disc's answer means nothing, but
+// must stay finite.
+DiscPose limited(const DiscPose& pose, double limit) {
+  DiscPose result = pose;
+  const double largest = pose.position.cwiseAbs().maxCoeff();
+  if (largest > limit) result.position *= limit / largest;
+  return result;
+}
+
 }  // namespace
 
 struct DiscBatch::Impl {
@@ -126,8 +139,10 @@ int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* s
     alignas(64) float active[kLanes] = {};
     alignas(64) float largest[kLanes] = {};
     alignas(64) float threshold[kLanes] = {};
-    alignas(64) float w[6 * kLanes], w_new[6 * kLanes], change[kLanes];
+    alignas(64) float w[6 * kLanes], w_ends[6 * kLanes], w_response[6 * kLanes], change[kLanes];
+    alignas(64) float work[kLanes], extra[kLanes], factor[kLanes];
     std::fill(u + 3 * kLanes * view.nfree, u + 3 * kLanes * view.nnode, 0.0f);
+    bool deformed[kLanes] = {};
     const int nlane = static_cast<int>(group.discs.size());
     for (int lane = 0; lane < kLanes; ++lane) {
       if (lane >= nlane) {
@@ -135,24 +150,23 @@ int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* s
         continue;
       }
       const Impl::DiscData& disc = impl_->discs[group.discs[lane]];
-      const HalfwayFrame frame(poses[group.discs[lane]]);
-      const double limit = view.limit[lane];
-      // Shortened vector, so that the direction of the force stays.
-      const double distance = frame.offset.norm();
-      const Vector3d offset =
-          distance > limit ? Vector3d(frame.offset * (limit / distance)) : frame.offset;
+      const DiscPose pose = limited(poses[group.discs[lane]], view.limit[lane]);
+      const HalfwayFrame frame(pose);
       for (int k = 0; k < kPoseSize; ++k) {
-        const double value = 2 * (k < 3 ? offset[k] : frame.rotation[k - 3]);
+        const double value = 2 * (k < 3 ? frame.offset[k] : frame.rotation[k - 3]);
         pose_change[kLanes * k + lane] = static_cast<float>(value - old_pose[kLanes * k + lane]);
         new_pose[kLanes * k + lane] = value;
       }
+      const double large = kLargeStrain / 2 * disc.elasticity.height;
       const Matrix3d up = frame.half - Matrix3d::Identity();
       for (int i = view.nfree; i < view.nnode; ++i) {
         const bool lower = i < view.nfree + view.nlower;
         const float* X = view.rest + 3 * kLanes * (i - view.nfree) + lane;
         const Vector3d rest(X[0], X[kLanes], X[2 * kLanes]);
-        const Vector3d d = lower ? Vector3d(up.transpose() * rest - offset) : up * rest + offset;
+        const Vector3d d =
+            lower ? Vector3d(up.transpose() * rest - frame.offset) : up * rest + frame.offset;
         for (int k = 0; k < 3; ++k) u[kLanes * (3 * i + k) + lane] = static_cast<float>(d[k]);
+        deformed[lane] |= d.squaredNorm() > large * large;
       }
       active[lane] = 1;
       largest[lane] = static_cast<float>(0.5 * disc.elasticity.height);
@@ -163,12 +177,24 @@ int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* s
     int iterations = 0;
     for (bool again = true; again; ++iterations) {
       kernels.forces(view, u, f);
-      kernels.wrench(view, u, f, w_new);
-      kernels.correct(view, active, largest, f, u, change);
+      kernels.wrench(view, u, f, w_ends, w_response);
+      kernels.solve(view, f, work, change);
+      for (int lane = 0; lane < kLanes; ++lane) factor[lane] = active[lane];
+      if (std::any_of(deformed, deformed + nlane, [](bool b) { return b; })) {
+        std::fill(f + 3 * kLanes * view.nfree, f + 3 * kLanes * view.nnode, 0.0f);
+        kernels.stiffening(view, u, f, extra);
+        for (int lane = 0; lane < nlane; ++lane) {
+          if (deformed[lane] && extra[lane] > 0)
+            factor[lane] *= work[lane] / (work[lane] + extra[lane]);
+        }
+      }
+      kernels.apply(view, factor, largest, f, u);
       again = false;
       for (int lane = 0; lane < nlane; ++lane) {
         if (active[lane] == 0) continue;
-        for (int k = 0; k < 6; ++k) w[kLanes * k + lane] = w_new[kLanes * k + lane];
+        for (int k = lane; k < 6 * kLanes; k += kLanes) {
+          w[k] = w_ends[k] + factor[lane] * w_response[k];
+        }
         if (change[lane] > threshold[lane] && iterations + 1 < options.max_iterations) {
           again = true;
         } else {
@@ -183,7 +209,8 @@ int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* s
       const int i = group.discs[lane];
       Vector6d in_m;
       for (int k = 0; k < 6; ++k) in_m[k] = w[kLanes * k + lane];
-      wrenches[i] = HalfwayFrame(poses[i]).wrench(in_m, impl_->discs[i].normal);
+      wrenches[i] =
+          HalfwayFrame(limited(poses[i], view.limit[lane])).wrench(in_m, impl_->discs[i].normal);
     }
   }
   return most_iterations;

@@ -41,13 +41,20 @@ struct DiscKernels {
   // Local step: internal forces f (nnode x 3 x 8) [N] at displacements u.
   void (*forces)(const DiscGroupView&, const float* u, float* f);
   // Wrench (6 x 8) on the upper bone in frame M: half the difference of the forces on the two
-  // endplates, plus the residual's work on the response to the bones' motion.
-  void (*wrench)(const DiscGroupView&, const float* u, const float* f, float* wrench);
-  // Correction: solves with the rest Hessian for the free part of f, in place, and adds it to the
-  // lanes of u that are `active` (8, 0 or 1), no component moving by more than `largest` (8).
-  // change (8) is the largest component that the solve asked for.
-  void (*correct)(const DiscGroupView&, const float* active, const float* largest, float* f,
-                  float* u, float* change);
+  // endplates. correction (6 x 8) is the work of the residual on the response to the bones' motion:
+  // what a full correction with the rest Hessian adds to the wrench.
+  void (*wrench)(const DiscGroupView&, const float* u, const float* f, float* wrench,
+                 float* correction);
+  // Solves with the rest Hessian for the free part of f, in place: the correction d. work (8) is
+  // f d [J], change (8) the largest component of d.
+  void (*solve)(const DiscGroupView&, float* f, float* work, float* change);
+  // What the curvature of the volume term along a correction (nnode x 3 x 8, zero on attached
+  // nodes) at u has above the rest Hessian's (8) [J].
+  void (*stiffening)(const DiscGroupView&, const float* u, const float* correction, float* out);
+  // Adds factor (8) times the correction to the free part of u, no component more than `largest`
+  // (8).
+  void (*apply)(const DiscGroupView&, const float* factor, const float* largest,
+                const float* correction, float* u);
   void (*store)(const DiscGroupView&, const float* u, double* state);
   // The local step of one tet alone, for tests: F and stress (9 x 8) row major, two_mu and kappa
   // (8).

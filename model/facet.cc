@@ -152,14 +152,19 @@ void addScapulothoracic(const Anatomy& a, std::vector<Facet>& facets) {
 
 }  // namespace
 
-FacetGap facetGap(const Vector3d& point, const Vector3d& radii, double band) {
-  const Vector3d scaled = point.cwiseQuotient(radii);
+FacetGap facetGap(const Vector3d& point, const Vector3d& radii, double band, const Vector3d& rest) {
+  constexpr double kWrongSide = 0.3;  // share of the way from the centre to the rest place
+  const Vector3d scaled = point.cwiseQuotient(radii), side = rest.cwiseQuotient(radii);
+  const double along = scaled.dot(side);
+  if (along < kWrongSide) {
+    const Vector3d gradient = side.cwiseQuotient(radii);
+    const double slope = gradient.norm();
+    return {(std::sqrt(1 - band) - along) / slope, gradient / slope};
+  }
   const double C = scaled.squaredNorm() - 1;
   const Vector3d gradient = 2 * scaled.cwiseQuotient(radii);
   const double slope = gradient.norm();
-  if (slope < 1e-12) return {radii.minCoeff() * std::sqrt(1 - band), Vector3d::UnitZ()};  // centre
-  const double beyond = std::abs(C) - band;
-  return {beyond / slope, (C > 0 ? -1 : 1) / slope * gradient};
+  return {(std::abs(C) - band) / slope, (C > 0 ? -1 : 1) / slope * gradient};
 }
 
 std::vector<Facet> makeFacets(const Anatomy& anatomy) {

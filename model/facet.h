@@ -19,9 +19,13 @@ struct FacetGap {
   Eigen::Vector3d normal;  // unit; direction in which the point must move back
 };
 
-// radii: half axes of the ellipsoid [m], > 0; band: bound of |C|, 0 < band < 1. The distance is
-// exact to first order in the violation (level set function over its gradient).
-FacetGap facetGap(const Eigen::Vector3d& point, const Eigen::Vector3d& radii, double band);
+// point: in the frame of the ellipsoid [m]. radii: its half axes [m], > 0; band: bound of |C|,
+// 0 < band < 1. rest: the point's place at rest, on C = 0; a point that has got past the middle of
+// the ellipsoid, where the level sets would push it out on the wrong side, is pushed back to that
+// side. The distance is exact to first order in the violation (level set function over its
+// gradient).
+FacetGap facetGap(const Eigen::Vector3d& point, const Eigen::Vector3d& radii, double band,
+                  const Eigen::Vector3d& rest);
 
 struct Facet {
   enum class Kind { kZygapophyseal, kCostovertebral, kCostotransverse, kScapulothoracic };

@@ -11,9 +11,14 @@ namespace torso::plugin {
 // Where a facet's point stands in its band; normal in the world frame.
 FacetGap pointGap(const mjModel* m, const mjData* d, const FacetEntry& facet, int point_geom);
 
-// A frictionless contact that moves the point back into its band; returns the number of contacts,
-// 0 while it is within. Only for the geoms of one facet.
+// A frictionless contact that keeps the point in its band; returns the number of contacts. There is
+// one if the point is beyond the band or would, at its present speed, leave it within two steps:
+// the constraint then acts in the step in which the band would be left, not after it. contact.dist
+// is the distance to the band's edge, less kFacetLookAhead, which makes MuJoCo include the contact;
+// rewriteLimits adds it again.
 int collideFacet(const mjModel* m, const mjData* d, const FacetEntry& facet, mjContact* con,
                  int point_geom);
+
+inline constexpr double kFacetLookAhead = 0.1;  // [m], more than any point moves in two steps
 
 }  // namespace torso::plugin

@@ -69,6 +69,7 @@ void passive(const mjModel* m, mjData* d) {
   checkOptions(m);
   applyDiscs(m, d, *instance);
   rewriteWelds(m, d, *instance);
+  rewriteLimits(m, d, *instance);
 }
 
 void sensor(const mjModel* m, mjData* d, int stage) {

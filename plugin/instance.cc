@@ -160,6 +160,25 @@ DiscPose siteFrame(const mjModel* m, int site) {
   return X;
 }
 
+// World pose of a body at qpos0.
+DiscPose restFrame(const mjModel* m, int body) {
+  DiscPose X;
+  for (; body; body = m->body_parentid[body]) {
+    const mjtNum *p = m->body_pos + 3 * body, *q = m->body_quat + 4 * body;
+    const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
+    X.position = Eigen::Vector3d(p[0], p[1], p[2]) + rotation * X.position;
+    X.rotation = rotation * X.rotation;
+  }
+  return X;
+}
+
+// World position of a geom's centre at qpos0.
+Eigen::Vector3d restPosition(const mjModel* m, int geom) {
+  const DiscPose X = restFrame(m, m->geom_bodyid[geom]);
+  const mjtNum* p = m->geom_pos + 3 * geom;
+  return X.position + X.rotation * Eigen::Vector3d(p[0], p[1], p[2]);
+}
+
 void checkWeld(const mjModel* m, const std::string& where, int equality) {
   if (m->eq_type[equality] != mjEQ_WELD) {
     fail(where,
@@ -176,6 +195,7 @@ Instance::Instance(const mjModel* m) {
   weld_of_equality.assign(m->neq, -1);
   facet_of_geom.assign(m->ngeom, -1);
   sensor_of_tendon.resize(m->ntendon);
+  is_ligament.assign(m->ntendon, 0);
 
   for (int i = 0; i < m->nnumeric; i++) {
     if (!endsWith(nameOf(m, mjOBJ_NUMERIC, i), kNoteName)) continue;
@@ -264,11 +284,23 @@ Instance::Instance(const mjModel* m) {
         }
         facet_of_geom[point] = index;
       }
+      const mjtNum* q = m->geom_quat + 4 * facet.ellipsoid_geom;
+      const Eigen::Quaterniond to_ellipsoid =
+          (restFrame(m, m->geom_bodyid[facet.ellipsoid_geom]).rotation *
+           Eigen::Quaterniond(q[0], q[1], q[2], q[3]))
+              .conjugate();
+      for (int k = 0; k < 4; k++) {
+        facet.rest[k] = to_ellipsoid * (restPosition(m, facet.point_geoms[k]) -
+                                        restPosition(m, facet.ellipsoid_geom));
+      }
       facets.push_back(facet);
     } else if (!(name = nameAfter("ligament:")).empty()) {
       Ligament ligament;
       ligament.name = name;
-      while (!tuple.done()) ligament.tendons.push_back(tuple.take(mjOBJ_TENDON));
+      while (!tuple.done()) {
+        ligament.tendons.push_back(tuple.take(mjOBJ_TENDON));
+        is_ligament[ligament.tendons.back()] = 1;
+      }
       ligaments.push_back(ligament);
     }
   }

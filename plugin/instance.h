@@ -64,6 +64,7 @@ struct FacetEntry {
   std::string name;
   int ellipsoid_geom;
   int point_geoms[4];
+  Eigen::Vector3d rest[4];  // places of the points at qpos0, in the frame of the ellipsoid [m]
   double band;
 };
 
@@ -101,7 +102,8 @@ class Instance {
   std::vector<FacetEntry> facets;
   std::vector<int> facet_of_geom;  // (ngeom) index into facets, for points and ellipsoids; or -1
   std::vector<Ligament> ligaments;
-  std::vector<Level> levels;  // (ndisc)
+  std::vector<char> is_ligament;  // (ntendon)
+  std::vector<Level> levels;      // (ndisc)
   std::vector<Sensor> sensors;
   std::vector<TendonSensor> sensor_of_tendon;             // (ntendon)
   std::vector<std::vector<std::pair<int, int>>> columns;  // (ndisc) opposite nodes: lower, upper

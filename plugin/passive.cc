@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <new>
 
+#include "plugin/facet_collider.h"
+
 namespace torso::plugin {
 namespace {
 
@@ -35,9 +37,10 @@ void addWrench(const mjModel* m, const mjData* d, int body, const Vector3d& forc
   }
 }
 
-// Stiffest gains of the servos between a disc's bones, as they are now: none while actuation is off
-// or a servo saturates.
-void servoGains(const mjModel* m, const mjData* d, const WeldEntry& weld, double* kp, double* kv) {
+// Stiffest gains of the servos between a disc's bones, as they are now: none while actuation is
+// off. A servo at its force limit keeps them: without, it would chatter between its limits on the
+// light vertebrae.
+void servoGains(const mjModel* m, const WeldEntry& weld, double* kp, double* kv) {
   *kp = *kv = 0;
   if (m->opt.disableflags & mjDSBL_ACTUATION) return;
   for (int i : weld.servos) {
@@ -45,16 +48,6 @@ void servoGains(const mjModel* m, const mjData* d, const WeldEntry& weld, double
     const mjtNum* bias = m->actuator_biasprm + mjNBIAS * i;
     const mjtNum* gear = m->actuator_gear + 6 * i + 3;
     const double gear2 = gear[0] * gear[0] + gear[1] * gear[1] + gear[2] * gear[2];
-    if (m->actuator_forcelimited[i]) {
-      double ctrl = d->ctrl[i];
-      if (m->actuator_ctrllimited[i] && !(m->opt.disableflags & mjDSBL_CLAMPCTRL)) {
-        ctrl = std::clamp(ctrl, m->actuator_ctrlrange[2 * i], m->actuator_ctrlrange[2 * i + 1]);
-      }
-      const double force = m->actuator_gainprm[mjNGAIN * i] * ctrl + bias[0] +
-                           bias[1] * d->actuator_length[i] + bias[2] * d->actuator_velocity[i];
-      const mjtNum* range = m->actuator_forcerange + 2 * i;
-      if (!(force > range[0] && force < range[1])) continue;
-    }
     *kp = std::max(*kp, -bias[1] * gear2);
     *kv = std::max(*kv, -bias[2] * gear2);
   }
@@ -133,7 +126,7 @@ void rewriteWelds(const mjModel* m, mjData* d, const Instance& instance) {
     }
     const WeldEntry& weld = instance.welds[index];
     double kp, kv;
-    servoGains(m, d, weld, &kp, &kv);
+    servoGains(m, weld, &kp, &kv);
     for (int k = 0; k < 6; k++, row++) {
       const bool rotation = k >= 3;
       const double s = rotation ? 0.5 * m->eq_data[mjNEQDATA * equality + 10] : 1;
@@ -148,6 +141,36 @@ void rewriteWelds(const mjModel* m, mjData* d, const Instance& instance) {
       d->efc_KBIP[4 * row + 1] = (W - (rotation ? kv : 0)) / (h * W);
       d->efc_KBIP[4 * row + 2] = 1;
     }
+  }
+}
+
+// For a limit with gap x (positive: not reached) the row should allow the velocity v' at the end of
+// the step down to -x / h, so that the gap just closes, and a violated one must close by kRecovery
+// of its depth: J a - aref >= 0 with aref = -v / h - K x, K = 1 / h^2 or kRecovery / h^2. That is
+// the velocity-level complementarity problem of Anitescu and Potra 1997, which the paper solves.
+void rewriteLimits(const mjModel* m, mjData* d, const Instance& instance) {
+  constexpr double kRecovery = 0.2;
+  constexpr double kSoftness = 0.001;  // R over the row's own inverse inertia
+  const double h = m->opt.timestep;
+  for (int row = d->ne + d->nf; row < d->nefc; row++) {
+    const int id = d->efc_id[row];
+    if (d->efc_type[row] == mjCNSTR_LIMIT_TENDON) {
+      if (!instance.is_ligament[id]) continue;
+      d->efc_margin[row] = 0;
+    } else if (d->efc_type[row] == mjCNSTR_CONTACT_FRICTIONLESS) {
+      const mjContact& con = d->contact[id];
+      const int facet = instance.facet_of_geom[con.geom2];
+      if (facet < 0 || facet != instance.facet_of_geom[con.geom1]) continue;
+      d->efc_pos[row] = con.dist + kFacetLookAhead;
+      d->efc_margin[row] = 0;
+    } else {
+      continue;
+    }
+    d->efc_R[row] = std::max(kSoftness * d->efc_diagApprox[row], mjMINVAL);
+    d->efc_D[row] = 1 / d->efc_R[row];
+    d->efc_KBIP[4 * row] = (d->efc_pos[row] > 0 ? 1 : kRecovery) / (h * h);
+    d->efc_KBIP[4 * row + 1] = 1 / h;
+    d->efc_KBIP[4 * row + 2] = 1;
   }
 }
 

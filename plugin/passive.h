@@ -22,4 +22,7 @@ void applyDiscs(const mjModel* m, mjData* d, const Instance& instance);
 // Rewrites the constraint rows of the welds (between mj_makeConstraint and mj_referenceConstraint).
 void rewriteWelds(const mjModel* m, mjData* d, const Instance& instance);
 
+// Rewrites the rows of ligaments and facets so that their limits hold at the end of the step.
+void rewriteLimits(const mjModel* m, mjData* d, const Instance& instance);
+
 }  // namespace torso::plugin

@@ -8,8 +8,8 @@
 namespace torso::tools {
 
 // Writes torso.xml, human.xml, human_fixed.xml, scene.xml and the bone meshes in assets/ into
-// `folder`, which is made if it is missing. Files are written beside their place and then moved, so
-// an interrupted build leaves no half-written file. Throws std::runtime_error that names the file.
+// `folder`, which is made if it is missing. Each file is
+// written whole or not at all. Throws Error.
 void buildModels(const Anatomy& anatomy, const std::string& folder);
 
 }  // namespace torso::tools

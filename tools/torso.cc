@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", [] {
     return fmt::format("torso {}, MuJoCo {}", torso_versionString(), mj_versionString());
   });
+  addBuild(app);
   addInfo(app);
   addRun(app);
   addView(app);

@@ -32,10 +32,15 @@ constexpr int kWorldBit = 1, kLimbBit = 2;
 // equal gap makes stock MuJoCo act on penetration only.
 constexpr double kFacetMargin = 0.1;
 
-// Capsule and intercostal tissue between rib cage and spine, as one linear bushing at T6. Assumed:
-// soft beside the costal facets, enough to keep the cage from rattling in their bands.
-constexpr const char* kBushingVertebra = "T6";
-constexpr double kBushing[4] = {2e4, 200, 20, 1};  // [N/m, Ns/m, Nm/rad, Nms/rad]
+// Capsules, radiate ligaments and cartilage between the rib cage and each of T1-T10, whose ribs
+// reach the sternum: a linear bushing at the vertebra. Assumed: soft beside the facets, enough to
+// keep the cage from rattling in their bands; T1-T10 together about as stiff as one disc in shear.
+constexpr int kBushings = 10;
+constexpr double kBushing[4] = {1e4, 200, 5, 1};  // [N/m, Ns/m, Nm/rad, Nms/rad]
+
+// Rows exist from this distance before the limit, so that the plugin can stop a fast ligament at
+// it.
+constexpr double kLigamentMargin = 0.002;
 
 // Stiff enough to hold the band within a millimetre in a 2 m fall, soft enough for 200 Hz.
 constexpr const char* kLimitSolref = "0.004 1";
@@ -181,6 +186,7 @@ void Writer::writeDefaults() {
   Element(ligament, "tendon")
       .set("group", kLigamentGroup)
       .set("width", 0.0009)
+      .set("margin", kLigamentMargin)
       .set("rgba", {0.80, 0.72, 0.55, 1})
       .set("solreflimit", kLimitSolref)
       .set("solimplimit", kLimitSolimp);
@@ -350,7 +356,11 @@ XMLElement* Writer::writeBody(XMLElement* parent, const std::string& parent_name
           .set("damping", joint.damping)
           .set("armature", joint.armature);
       // In degrees, MJCF's default, so that the file can be included in others.
-      if (joint.limit > 0) ball.set("range", {0, joint.limit * 180 / M_PI});
+      if (joint.limit > 0) {
+        ball.set("range", {0, joint.limit * 180 / M_PI})
+            .set("solreflimit", kLimitSolref)
+            .set("solimplimit", kLimitSolimp);
+      }
     }
   }
   writeInertial(element, body);
@@ -502,7 +512,10 @@ void Writer::writeEqualities() {
     weld(disc.name, bodyOfLevel(a_, disc.upper), bodyOfLevel(a_, disc.lower),
          disc.frame.translation());
   }
-  weld("ribcage", "ribcage", kBushingVertebra, a_.vertebra(kBushingVertebra).position);
+  for (int i = 1; i <= kBushings; i++) {
+    const std::string level = "T" + std::to_string(i);
+    weld("ribcage_" + level, "ribcage", level, a_.vertebra(level).position);
+  }
 }
 
 void Writer::writeActuators() {
@@ -622,10 +635,13 @@ void Writer::writeCustom() {
     element(tuple, "skin", named(disc.name));
   }
   numeric("bushing:ribcage", {kBushing[0], kBushing[1], kBushing[2], kBushing[3]});
-  Element bushing(custom, "tuple");
-  bushing.set("name", named("bushing:ribcage"));
-  element(bushing, "equality", named("ribcage"));
-  element(bushing, "numeric", named("bushing:ribcage"));
+  for (int i = 1; i <= kBushings; i++) {
+    const std::string name = "ribcage_T" + std::to_string(i);
+    Element bushing(custom, "tuple");
+    bushing.set("name", named("bushing:" + name));
+    element(bushing, "equality", named(name));
+    element(bushing, "numeric", named("bushing:ribcage"));
+  }
 
   for (const Facet& facet : facets_) {
     Element tuple(custom, "tuple");

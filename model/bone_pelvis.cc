@@ -1,0 +1,213 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "model/bone_parts.h"
+
+namespace torso {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+TriMesh sacrum(const Anatomy& anatomy) {
+  TriMesh mesh;
+  // S1's body. The disc has the mean size of its two endplates.
+  const Disc& disc = anatomy.discs.front();
+  const Vertebra& l5 = anatomy.vertebrae.front();
+  const double width = 2 * disc.shape.width - l5.lower_endplate_width;
+  const double depth = 2 * disc.shape.depth - l5.lower_endplate_depth;
+  const Isometry3d s1 = anatomy.boneFrame("S1");
+  std::vector<Ring> body;
+  const double stations[][3] = {// depth below the endplate [mm], girth, shift to the rear [mm]
+                                {0, 0.45, 0},  {0, 0.985, 0}, {0.6, 1, 0},  {2.5, 0.99, 0},
+                                {9, 0.9, 0.5}, {18, 0.82, 2}, {30, 0.72, 6}};
+  for (const auto& s : stations) {
+    Ring ring;
+    for (const Vector2d& p : endplateOutline(width, depth, 28)) {
+      ring.push_back(s1 * Vector3d(p.x() * s[1] - s[2] * 1e-3, p.y() * s[1], -s[0] * 1e-3));
+    }
+    body.push_back(ring);
+  }
+  append(mesh, loft(body));
+
+  // Fused vertebrae: a bent wedge, hollow in front.
+  TubeStyle style;
+  style.up = Vector3d(1, 0, -0.6);  // out of the pelvic surface
+  style.sides = 16;
+  style.steps = 1;
+  style.squareness = 2.5;
+  style.cap = 0.4;
+  append(mesh, tube({sectionMm(-15, 0, -4, 44, 13), sectionMm(-24, 0, -18, 50, 15),
+                     sectionMm(-37, 0, -35, 46, 13.5), sectionMm(-49, 0, -53, 36, 11),
+                     sectionMm(-57, 0, -72, 27, 8.5), sectionMm(-59, 0, -88, 20, 6.5),
+                     sectionMm(-57, 0, -101, 11, 4.5)},
+                    style));
+  // Alae.
+  style.up = Vector3d::UnitZ();
+  style.sides = 14;
+  style.squareness = 2.3;
+  appendPair(mesh, tube({sectionMm(-8, 8, -11, 14, 10), sectionMm(-10, 30, -11, 16, 11),
+                         sectionMm(-15, 44, -17, 15, 14), sectionMm(-20, 50, -22, 12, 13)},
+                        style));
+  // Median crest, four bumps of spinous processes; beside it the foramina's ridge.
+  style.up = Vector3d(-1, 0, 0.6);
+  style.sides = 10;
+  append(mesh, tube({sectionMm(-37, 0, 4, 5, 7), sectionMm(-45, 0, -8, 3.5, 9),
+                     sectionMm(-53, 0, -20, 4, 8), sectionMm(-60, 0, -33, 3.2, 8.5),
+                     sectionMm(-65, 0, -46, 4, 7), sectionMm(-68, 0, -62, 3, 6.5),
+                     sectionMm(-67, 0, -78, 2.5, 4)},
+                    style));
+  appendPair(mesh, tube({sectionMm(-36, 19, 0, 5, 5), sectionMm(-50, 17, -22, 4, 5),
+                         sectionMm(-61, 14, -46, 3.5, 4.5), sectionMm(-67, 11, -72, 3, 3.5),
+                         sectionMm(-65, 8, -94, 2.5, 3)},
+                        style));
+  // Superior articular processes, and the roof of the canal between them.
+  for (const ArticularFacet& f : anatomy.facets) {
+    if (f.level != "S1") continue;
+    const Isometry3d face = facetFrame(anatomy, f);
+    appendPair(mesh, facetPad(face, f.width, f.height, 6_mm));
+    style.up = Vector3d::UnitX();
+    appendPair(mesh,
+               tube({{face * Vector3d(0, -3_mm, -5_mm), 7_mm, 5_mm}, sectionMm(-24, 25, -4, 8, 7)},
+                    style));
+  }
+  style.up = Vector3d(-0.6, 0, 1);
+  append(mesh, tube({sectionMm(-30, -22, 2, 3.5, 8), sectionMm(-37, 0, 3, 3.5, 8),
+                     sectionMm(-30, 22, 2, 3.5, 8)},
+                    style));
+  // Coccyx.
+  style.up = Vector3d(1, 0, -0.3);
+  style.steps = 1;
+  append(mesh, tube({sectionMm(-56, 0, -105, 11, 4), sectionMm(-53, 0, -112, 8, 4)}, style));
+  append(mesh, tube({sectionMm(-50, 0, -116, 6.5, 3.5), sectionMm(-46, 0, -122, 5, 3)}, style));
+  append(mesh, tube({sectionMm(-43, 0, -125.5, 4, 2.8), sectionMm(-37, 0, -129, 2.5, 2.2)}, style));
+  return mesh;
+}
+
+// Left hip bone; coordinates from the hip joint centre [mm].
+TriMesh hipBone(const Anatomy& anatomy) {
+  const Vector3d hip = anatomy.landmark("hip_joint_centre");
+  const auto at = [&](double x, double y, double z) -> Vector3d { return hip + pointMm(x, y, z); };
+  const auto section = [&](double x, double y, double z, double side, double up) {
+    return Section{at(x, y, z), side * 1e-3, up * 1e-3};
+  };
+  TriMesh mesh;
+
+  // Wing: columns from the posterior to the anterior superior spine.
+  const std::vector<Vector3d> crest = {at(-92, -43, 90), at(-84, -31, 116), at(-64, -5, 142),
+                                       at(-34, 25, 157), at(0, 44, 155),    at(26, 51, 138),
+                                       at(42, 46, 110),  at(49, 37, 77)};
+  const std::vector<Vector3d> middle = {at(-88, -41, 82), at(-76, -33, 84), at(-55, -16, 92),
+                                        at(-30, 8, 96),   at(-4, 23, 96),   at(17, 28, 90),
+                                        at(34, 29, 78),   at(42, 27, 63)};
+  const std::vector<Vector3d> base = {at(-83, -40, 66), at(-68, -33, 53), at(-48, -20, 46),
+                                      at(-28, -6, 38),  at(-8, 4, 33),    at(10, 9, 31),
+                                      at(24, 13, 36),   at(33, 16, 45)};
+  constexpr int kRows = 7, kColumns = 15;
+  std::vector<std::vector<Vector3d>> grid(kRows, std::vector<Vector3d>(kColumns));
+  std::vector<std::vector<double>> thickness(kRows, std::vector<double>(kColumns));
+  for (int j = 0; j < kColumns; j++) {
+    const double s = 7.0 * j / (kColumns - 1);
+    const std::vector<Vector3d> column = {curveAt(base, s), curveAt(middle, s), curveAt(crest, s)};
+    for (int i = 0; i < kRows; i++) {
+      const double t = i / (kRows - 1.0);
+      grid[i][j] = curveAt(column, 2 * t);
+      const double back = std::max(0.0, 1 - s / 2.5);  // thick where it meets the sacrum
+      thickness[i][j] = (4.5 + 8 * std::pow(1 - t, 2) + 6.5 * std::pow(t, 6) + 7 * back) * 1e-3;
+    }
+  }
+  append(mesh, plate(grid, thickness));
+  TubeStyle style;
+  style.sides = 10;
+  style.steps = 1;
+  // Lip of the crest, and the anterior spines.
+  std::vector<Section> lip;
+  const double lip_width[] = {7, 6.5, 5.5, 5.5, 6.5, 6.5, 5.5, 6};
+  for (int k = 0; k < 8; k++) lip.push_back({crest[k], lip_width[k] * 1e-3, 4.5_mm});
+  style.up = Vector3d(0.2, 1, 0.2);
+  for (Section& s : lip) std::swap(s.side, s.up);
+  append(mesh, tube(lip, style));
+  append(mesh, tube({section(30, 14, 42, 8, 7), section(35, 16, 47, 6, 5.5)}, style));
+  // Arcuate line: from the roof of the acetabulum to the joint with the sacrum.
+  style.up = Vector3d::UnitZ();
+  style.sides = 12;
+  append(mesh, tube({section(14, 0, 28, 12, 12), section(-12, -6, 36, 11, 11),
+                     section(-34, -18, 48, 9, 11), section(-54, -28, 66, 7, 14),
+                     section(-72, -34, 78, 6, 14)},
+                    style));
+
+  // Acetabulum: a cup open to the side, the front and below.
+  const Vector3d open = Vector3d(0.30, 0.80, -0.52).normalized();
+  const Vector3d a = open.unitOrthogonal(), b = open.cross(a);
+  std::vector<Ring> cup;
+  const double inner = 25.5_mm, outer = 33_mm;
+  const auto cupRing = [&](double radius, double degrees) {
+    const double polar = degrees * EIGEN_PI / 180;  // from the bottom of the cup
+    Ring ring;
+    for (int k = 0; k < 24; k++) {
+      const double angle = 2 * EIGEN_PI * k / 24;
+      ring.push_back(hip +
+                     radius * (-std::cos(polar) * open +
+                               std::sin(polar) * (std::cos(angle) * a + std::sin(angle) * b)));
+    }
+    cup.push_back(ring);
+  };
+  for (double d : {20, 40, 60, 78}) cupRing(outer, d);
+  cupRing(0.96 * outer, 88);
+  cupRing(0.5 * (inner + outer), 91);
+  for (double d : {86, 70, 50, 25}) cupRing(inner, d);
+  append(mesh, loft(cup));
+
+  // Posterior column, ischium with its tuberosity and ramus, up to the pubis.
+  style.sides = 12;
+  style.up = Vector3d(0, 1, 0.0);
+  append(mesh, tube({section(-16, -12, 34, 11, 10), section(-24, -16, 8, 9, 12),
+                     section(-26, -16, -22, 9, 13), section(-30, -17, -46, 12, 13),
+                     section(-34, -19, -66, 13, 14), section(-30, -23, -82, 12, 12)},
+                    style));
+  append(mesh, tube({section(-8, -12, -28, 8, 11), section(-18, -14, -50, 8, 12)}, style));
+  style.sides = 10;
+  append(mesh, tube({section(-30, -22, -80, 11, 10), section(-14, -33, -83, 7, 6),
+                     section(4, -48, -74, 6.5, 5), section(20, -62, -62, 7, 5),
+                     section(32, -72, -48, 9, 6)},
+                    style));
+  // Ischial spine.
+  append(mesh, tube({section(-36, -20, -14, 7, 6), section(-47, -29, -18, 4, 3),
+                     section(-53, -34, -19, 2, 1.8)},
+                    style));
+  // Superior ramus and body of the pubis.
+  style.up = Vector3d::UnitZ();
+  append(mesh,
+         tube({section(12, -12, 2, 14, 13), section(30, -27, 4, 9, 9), section(43, -46, -2, 7, 7.5),
+               section(49, -62, -13, 7, 8), section(46, -72, -22, 8, 10)},
+              style));
+  style.up = Vector3d::UnitX();
+  style.squareness = 2.4;
+  append(mesh, tube({section(48, -72, -18, 9, 6.5), section(43, -74, -32, 9, 7),
+                     section(34, -75, -47, 7.5, 6)},
+                    style));
+  // Pubic tubercle.
+  append(mesh, ellipsoid(at(51, -60, -13), Vector3d(5_mm, 5_mm, 5_mm), Matrix3d::Identity(), 8));
+  return mesh;
+}
+
+}  // namespace
+
+std::vector<BonePart> pelvisMesh(const Anatomy& anatomy) {
+  TriMesh bone = sacrum(anatomy);
+  appendPair(bone, hipBone(anatomy));
+  // Symphysis, between the two bodies of the pubis.
+  const Vector3d hip = anatomy.landmark("hip_joint_centre");
+  TubeStyle style;
+  style.up = Vector3d::UnitX();
+  style.sides = 12;
+  style.steps = 1;
+  const Vector3d middle(hip.x(), 0, hip.z());
+  const TriMesh symphysis = tube({{middle + pointMm(47, 0, -19), 5_mm, 6.5_mm},
+                                  {middle + pointMm(42, 0, -32), 5_mm, 6.5_mm},
+                                  {middle + pointMm(34, 0, -46), 4.5_mm, 5.5_mm}},
+                                 style);
+  return {{Tissue::kBone, bone}, {Tissue::kCartilage, symphysis}};
+}
+
+}  // namespace torso
