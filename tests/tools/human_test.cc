@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tests/tools/command_fixture.h"
+#include "tools/mujoco_support.h"
 
 namespace torso::tools {
 namespace {
@@ -78,6 +79,26 @@ TEST_F(Human, GivesTheSameBitsOnAnyNumberOfThreads) {
     four.erase(key);
   }
   EXPECT_EQ(one, four);
+}
+
+// The stock viewer draws at most 5000 shapes, and nothing if there are more.
+TEST_F(Human, FitsIntoTheViewer) {
+  const ModelPtr m = loadModel(kHuman);
+  const DataPtr d = makeData(m.get());
+  mj_forward(m.get(), d.get());
+  mjvScene scene;
+  mjv_defaultScene(&scene);
+  mjv_makeScene(m.get(), &scene, 5000);
+  mjvOption option;
+  mjv_defaultOption(&option);
+  mjvCamera camera;
+  mjv_defaultFreeCamera(m.get(), &camera);
+  for (int group = 0; group < mjNGROUP; group++) option.geomgroup[group] = 1;
+  mjv_updateScene(m.get(), d.get(), &option, nullptr, &camera, mjCAT_ALL, &scene);
+  EXPECT_EQ(d->warning[mjWARN_VGEOMFULL].number, 0);
+  EXPECT_GT(scene.ngeom, m->ntendon);
+  EXPECT_LT(scene.ngeom, 2500);  // with room for contacts and joints
+  mjv_freeScene(&scene);
 }
 
 }  // namespace
