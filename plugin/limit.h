@@ -12,7 +12,7 @@
 
 namespace torso::plugin {
 
-inline constexpr double kRecovery = 0.5;
+inline constexpr double kRecovery = 0.4;
 
 // The row's effective gap: a >= -limitGap / h^2. now: x [m], then: x^ [m].
 inline double limitGap(double now, double then) {
