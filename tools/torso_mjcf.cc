@@ -482,6 +482,11 @@ void Writer::writeContacts() {
   }
 }
 
+// Lower limit of a ligament's length, never met. With 0 MuJoCo would add constraint rows for
+// ligaments shorter than their margin, and draw slack ones as hanging strings of so many pieces
+// that the viewer has no room for the body.
+constexpr double kNoLowerLimit = -1;
+
 void Writer::writeTendons() {
   Element tendons(root_, "tendon");
   for (const LigamentSegment& s : ligaments_) {
