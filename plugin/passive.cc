@@ -7,6 +7,8 @@
 #include <new>
 
 #include "plugin/facet_collider.h"
+#include "plugin/limit.h"
+#include "plugin/point_velocity.h"
 
 namespace torso::plugin {
 namespace {
@@ -51,6 +53,15 @@ void servoGains(const mjModel* m, const WeldEntry& weld, double* kp, double* kv)
     *kp = std::max(*kp, -bias[1] * gear2);
     *kv = std::max(*kv, -bias[2] * gear2);
   }
+}
+
+// Length of a ligament segment after one step at the present velocities.
+double lengthAhead(const mjModel* m, const mjData* d, int tendon) {
+  const int* sites = m->wrap_objid + m->tendon_adr[tendon];
+  const mjtNum *a = d->site_xpos + 3 * sites[0], *b = d->site_xpos + 3 * sites[1];
+  const Vector3d velocity = pointVelocity(m, d, m->site_bodyid[sites[1]], b) -
+                            pointVelocity(m, d, m->site_bodyid[sites[0]], a);
+  return (Vector3d(b[0] - a[0], b[1] - a[1], b[2] - a[2]) + m->opt.timestep * velocity).norm();
 }
 
 }  // namespace
@@ -144,32 +155,29 @@ void rewriteWelds(const mjModel* m, mjData* d, const Instance& instance) {
   }
 }
 
-// For a limit with gap x (positive: not reached) the row should allow the velocity v' at the end of
-// the step down to -x / h, so that the gap just closes, and a violated one must close by kRecovery
-// of its depth: J a - aref >= 0 with aref = -v / h - K x, K = 1 / h^2 or kRecovery / h^2. That is
-// the velocity-level complementarity problem of Anitescu and Potra 1997, which the paper solves.
 void rewriteLimits(const mjModel* m, mjData* d, const Instance& instance) {
-  constexpr double kRecovery = 0.2;
   constexpr double kSoftness = 0.001;  // R over the row's own inverse inertia
   const double h = m->opt.timestep;
   for (int row = d->ne + d->nf; row < d->nefc; row++) {
     const int id = d->efc_id[row];
     if (d->efc_type[row] == mjCNSTR_LIMIT_TENDON) {
       if (!instance.is_ligament[id]) continue;
-      d->efc_margin[row] = 0;
+      const double limit = m->tendon_range[2 * id + 1];
+      d->efc_pos[row] = limitGap(limit - d->ten_length[id], limit - lengthAhead(m, d, id));
     } else if (d->efc_type[row] == mjCNSTR_CONTACT_FRICTIONLESS) {
       const mjContact& con = d->contact[id];
       const int facet = instance.facet_of_geom[con.geom2];
       if (facet < 0 || facet != instance.facet_of_geom[con.geom1]) continue;
       d->efc_pos[row] = con.dist + kFacetLookAhead;
-      d->efc_margin[row] = 0;
     } else {
       continue;
     }
+    d->efc_margin[row] = 0;
     d->efc_R[row] = std::max(kSoftness * d->efc_diagApprox[row], mjMINVAL);
     d->efc_D[row] = 1 / d->efc_R[row];
-    d->efc_KBIP[4 * row] = (d->efc_pos[row] > 0 ? 1 : kRecovery) / (h * h);
-    d->efc_KBIP[4 * row + 1] = 1 / h;
+    // aref = -B v - K I (pos - margin)
+    d->efc_KBIP[4 * row] = 1 / (h * h);
+    d->efc_KBIP[4 * row + 1] = 0;
     d->efc_KBIP[4 * row + 2] = 1;
   }
 }

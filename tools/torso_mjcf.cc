@@ -32,10 +32,10 @@ constexpr int kWorldBit = 1, kLimbBit = 2;
 // equal gap makes stock MuJoCo act on penetration only.
 constexpr double kFacetMargin = 0.1;
 
-// Capsules, radiate ligaments and cartilage between the rib cage and each of T1-T10, whose ribs
-// reach the sternum: a linear bushing at the vertebra. Assumed: soft beside the facets, enough to
-// keep the cage from rattling in their bands; T1-T10 together about as stiff as one disc in shear.
-constexpr int kBushings = 10;
+// Capsules, radiate ligaments and intercostal tissue between the rib cage and the spine: linear
+// bushings at T1, T4, T7 and T10. Assumed: soft beside the facets, enough to keep the cage from
+// rattling in their bands.
+constexpr const char* kBushingLevels[] = {"T1", "T4", "T7", "T10"};
 constexpr double kBushing[4] = {1e4, 200, 5, 1};  // [N/m, Ns/m, Nm/rad, Nms/rad]
 
 // Rows exist from this distance before the limit, so that the plugin can stop a fast ligament at
@@ -512,8 +512,7 @@ void Writer::writeEqualities() {
     weld(disc.name, bodyOfLevel(a_, disc.upper), bodyOfLevel(a_, disc.lower),
          disc.frame.translation());
   }
-  for (int i = 1; i <= kBushings; i++) {
-    const std::string level = "T" + std::to_string(i);
+  for (const std::string level : kBushingLevels) {
     weld("ribcage_" + level, "ribcage", level, a_.vertebra(level).position);
   }
 }
@@ -635,8 +634,8 @@ void Writer::writeCustom() {
     element(tuple, "skin", named(disc.name));
   }
   numeric("bushing:ribcage", {kBushing[0], kBushing[1], kBushing[2], kBushing[3]});
-  for (int i = 1; i <= kBushings; i++) {
-    const std::string name = "ribcage_T" + std::to_string(i);
+  for (const std::string level : kBushingLevels) {
+    const std::string name = "ribcage_" + level;
     Element bushing(custom, "tuple");
     bushing.set("name", named("bushing:" + name));
     element(bushing, "equality", named(name));
