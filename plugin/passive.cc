@@ -64,6 +64,44 @@ double lengthAhead(const mjModel* m, const mjData* d, int tendon) {
   return (Vector3d(b[0] - a[0], b[1] - a[1], b[2] - a[2]) + m->opt.timestep * velocity).norm();
 }
 
+// Moves the Jacobian of a weld's three translational rows from its two anchors to one common point,
+// body2's anchor. The anchors part as the disc deforms, and opposite forces at two places would
+// turn the body: a common point keeps its angular momentum.
+void useCommonPoint(const mjModel* m, mjData* d, int equality, int first_row) {
+  const int body1 = m->eq_obj1id[equality], body2 = m->eq_obj2id[equality];
+  const mjtNum* anchor = m->eq_data + mjNEQDATA * equality;  // of body2, then of body1
+  mjtNum point1[3], point2[3], offset[3];
+  mju_rotVecMat(point1, anchor + 3, d->xmat + 9 * body1);
+  mju_rotVecMat(point2, anchor, d->xmat + 9 * body2);
+  mju_addTo3(point1, d->xpos + 3 * body1);
+  mju_addTo3(point2, d->xpos + 3 * body2);
+  mju_sub3(offset, point2, point1);
+
+  const bool sparse = mj_isSparse(m);
+  int body = body1;
+  while (body && !m->body_dofnum[body]) body = m->body_parentid[body];
+  if (!body) return;
+  for (int i = m->body_dofadr[body] + m->body_dofnum[body] - 1; i >= 0; i = m->dof_parentid[i]) {
+    mjtNum change[3];
+    mju_cross(change, d->cdof + 6 * i, offset);
+    if (!sparse) {
+      for (int k = 0; k < 3; k++) d->efc_J[m->nv * (first_row + k) + i] += change[k];
+      continue;
+    }
+    // The three rows have the same columns, and so stand side by side in the transpose.
+    const int* columns = d->efc_J_colind + d->efc_J_rowadr[first_row];
+    const int* columns_end = columns + d->efc_J_rownnz[first_row];
+    const int* column = std::lower_bound(columns, columns_end, i);
+    if (column == columns_end || *column != i) continue;  // a dof that moves both bodies alike
+    const int* rows = d->efc_JT_colind + d->efc_JT_rowadr[i];
+    const int* row = std::lower_bound(rows, rows + d->efc_JT_rownnz[i], first_row);
+    for (int k = 0; k < 3; k++) {
+      d->efc_J[d->efc_J_rowadr[first_row + k] + (column - columns)] += change[k];
+      d->efc_JT[d->efc_JT_rowadr[i] + (row - rows) + k] += change[k];
+    }
+  }
+}
+
 }  // namespace
 
 DiscPlacement placeDisc(const mjData* d, const DiscEntry& disc) {
@@ -138,6 +176,7 @@ void rewriteWelds(const mjModel* m, mjData* d, const Instance& instance) {
     const WeldEntry& weld = instance.welds[index];
     double kp, kv;
     servoGains(m, weld, &kp, &kv);
+    useCommonPoint(m, d, equality, row);
     for (int k = 0; k < 6; k++, row++) {
       const bool rotation = k >= 3;
       const double s = rotation ? 0.5 * m->eq_data[mjNEQDATA * equality + 10] : 1;
