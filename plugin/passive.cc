@@ -64,40 +64,52 @@ double lengthAhead(const mjModel* m, const mjData* d, int tendon) {
   return (Vector3d(b[0] - a[0], b[1] - a[1], b[2] - a[2]) + m->opt.timestep * velocity).norm();
 }
 
-// Moves the Jacobian of a weld's three translational rows from its two anchors to one common point,
-// body2's anchor. The anchors part as the disc deforms, and opposite forces at two places would
-// turn the body: a common point keeps its angular momentum.
-void useCommonPoint(const mjModel* m, mjData* d, int equality, int first_row) {
-  const int body1 = m->eq_obj1id[equality], body2 = m->eq_obj2id[equality];
-  const mjtNum* anchor = m->eq_data + mjNEQDATA * equality;  // of body2, then of body1
-  mjtNum point1[3], point2[3], offset[3];
-  mju_rotVecMat(point1, anchor + 3, d->xmat + 9 * body1);
-  mju_rotVecMat(point2, anchor, d->xmat + 9 * body2);
-  mju_addTo3(point1, d->xpos + 3 * body1);
-  mju_addTo3(point2, d->xpos + 3 * body2);
-  mju_sub3(offset, point2, point1);
+// Adds a value to column `dof` of three neighbouring rows of the constraint Jacobian that have the
+// same columns, or clears it.
+void addToRows(const mjModel* m, mjData* d, int first_row, int dof, const mjtNum* value,
+               bool clear) {
+  const auto add = [&](mjtNum* entry, int k) { *entry = clear ? 0 : *entry + value[k]; };
+  if (!mj_isSparse(m)) {
+    for (int k = 0; k < 3; k++) add(d->efc_J + m->nv * (first_row + k) + dof, k);
+    return;
+  }
+  const int* columns = d->efc_J_colind + d->efc_J_rowadr[first_row];
+  const int* end = columns + d->efc_J_rownnz[first_row];
+  const int* column = std::lower_bound(columns, end, dof);
+  if (column == end || *column != dof) return;  // a dof that moves both bodies alike
+  // In the transpose the three entries stand side by side.
+  const int* rows = d->efc_JT_colind + d->efc_JT_rowadr[dof];
+  const int* row = std::lower_bound(rows, rows + d->efc_JT_rownnz[dof], first_row);
+  for (int k = 0; k < 3; k++) {
+    add(d->efc_J + d->efc_J_rowadr[first_row + k] + (column - columns), k);
+    add(d->efc_JT + d->efc_JT_rowadr[dof] + (row - rows) + k, k);
+  }
+}
 
-  const bool sparse = mj_isSparse(m);
-  int body = body1;
-  while (body && !m->body_dofnum[body]) body = m->body_parentid[body];
-  if (!body) return;
-  for (int i = m->body_dofadr[body] + m->body_dofnum[body] - 1; i >= 0; i = m->dof_parentid[i]) {
-    mjtNum change[3];
-    mju_cross(change, d->cdof + 6 * i, offset);
-    if (!sparse) {
-      for (int k = 0; k < 3; k++) d->efc_J[m->nv * (first_row + k) + i] += change[k];
-      continue;
-    }
-    // The three rows have the same columns, and so stand side by side in the transpose.
-    const int* columns = d->efc_J_colind + d->efc_J_rowadr[first_row];
-    const int* columns_end = columns + d->efc_J_rownnz[first_row];
-    const int* column = std::lower_bound(columns, columns_end, i);
-    if (column == columns_end || *column != i) continue;  // a dof that moves both bodies alike
-    const int* rows = d->efc_JT_colind + d->efc_JT_rowadr[i];
-    const int* row = std::lower_bound(rows, rows + d->efc_JT_rownnz[i], first_row);
-    for (int k = 0; k < 3; k++) {
-      d->efc_J[d->efc_J_rowadr[first_row + k] + (column - columns)] += change[k];
-      d->efc_JT[d->efc_JT_rowadr[i] + (row - rows) + k] += change[k];
+// Takes the Jacobian of a weld's three translational rows at one common point of its two bodies,
+// body2's anchor, instead of at the two anchors. Those part as the disc deforms, and opposite
+// forces at two places would turn the body. The entries are made anew, not corrected: this may run
+// again on the same rows (finite differences).
+void useCommonPoint(const mjModel* m, mjData* d, int equality, int first_row) {
+  const int bodies[2] = {m->eq_obj1id[equality], m->eq_obj2id[equality]};
+  mjtNum point[3];
+  mju_rotVecMat(point, m->eq_data + mjNEQDATA * equality, d->xmat + 9 * bodies[1]);
+  mju_addTo3(point, d->xpos + 3 * bodies[1]);
+  for (bool clear : {true, false}) {
+    for (int side : {0, 1}) {
+      int body = bodies[side];
+      while (body && !m->body_dofnum[body]) body = m->body_parentid[body];
+      if (!body) continue;
+      mjtNum offset[3];
+      mju_sub3(offset, point, d->subtree_com + 3 * m->body_rootid[body]);
+      for (int i = m->body_dofadr[body] + m->body_dofnum[body] - 1; i >= 0;
+           i = m->dof_parentid[i]) {
+        mjtNum velocity[3];
+        mju_cross(velocity, d->cdof + 6 * i, offset);
+        mju_addTo3(velocity, d->cdof + 6 * i + 3);
+        if (side) mju_scl3(velocity, velocity, -1);
+        addToRows(m, d, first_row, i, velocity, clear);
+      }
     }
   }
 }
