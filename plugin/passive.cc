@@ -64,6 +64,56 @@ double lengthAhead(const mjModel* m, const mjData* d, int tendon) {
   return (Vector3d(b[0] - a[0], b[1] - a[1], b[2] - a[2]) + m->opt.timestep * velocity).norm();
 }
 
+// Adds a value to column `dof` of three neighbouring rows of the constraint Jacobian that have the
+// same columns, or clears it.
+void addToRows(const mjModel* m, mjData* d, int first_row, int dof, const mjtNum* value,
+               bool clear) {
+  const auto add = [&](mjtNum* entry, int k) { *entry = clear ? 0 : *entry + value[k]; };
+  if (!mj_isSparse(m)) {
+    for (int k = 0; k < 3; k++) add(d->efc_J + m->nv * (first_row + k) + dof, k);
+    return;
+  }
+  const int* columns = d->efc_J_colind + d->efc_J_rowadr[first_row];
+  const int* end = columns + d->efc_J_rownnz[first_row];
+  const int* column = std::lower_bound(columns, end, dof);
+  if (column == end || *column != dof) return;  // a dof that moves both bodies alike
+  // In the transpose the three entries stand side by side.
+  const int* rows = d->efc_JT_colind + d->efc_JT_rowadr[dof];
+  const int* row = std::lower_bound(rows, rows + d->efc_JT_rownnz[dof], first_row);
+  for (int k = 0; k < 3; k++) {
+    add(d->efc_J + d->efc_J_rowadr[first_row + k] + (column - columns), k);
+    add(d->efc_JT + d->efc_JT_rowadr[dof] + (row - rows) + k, k);
+  }
+}
+
+// Takes the Jacobian of a weld's three translational rows at one common point of its two bodies,
+// body2's anchor, instead of at the two anchors. Those part as the disc deforms, and opposite
+// forces at two places would turn the body. The entries are made anew, not corrected: this may run
+// again on the same rows (finite differences).
+void useCommonPoint(const mjModel* m, mjData* d, int equality, int first_row) {
+  const int bodies[2] = {m->eq_obj1id[equality], m->eq_obj2id[equality]};
+  mjtNum point[3];
+  mju_rotVecMat(point, m->eq_data + mjNEQDATA * equality, d->xmat + 9 * bodies[1]);
+  mju_addTo3(point, d->xpos + 3 * bodies[1]);
+  for (bool clear : {true, false}) {
+    for (int side : {0, 1}) {
+      int body = bodies[side];
+      while (body && !m->body_dofnum[body]) body = m->body_parentid[body];
+      if (!body) continue;
+      mjtNum offset[3];
+      mju_sub3(offset, point, d->subtree_com + 3 * m->body_rootid[body]);
+      for (int i = m->body_dofadr[body] + m->body_dofnum[body] - 1; i >= 0;
+           i = m->dof_parentid[i]) {
+        mjtNum velocity[3];
+        mju_cross(velocity, d->cdof + 6 * i, offset);
+        mju_addTo3(velocity, d->cdof + 6 * i + 3);
+        if (side) mju_scl3(velocity, velocity, -1);
+        addToRows(m, d, first_row, i, velocity, clear);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 DiscPlacement placeDisc(const mjData* d, const DiscEntry& disc) {
@@ -138,6 +188,7 @@ void rewriteWelds(const mjModel* m, mjData* d, const Instance& instance) {
     const WeldEntry& weld = instance.welds[index];
     double kp, kv;
     servoGains(m, weld, &kp, &kv);
+    useCommonPoint(m, d, equality, row);
     for (int k = 0; k < 6; k++, row++) {
       const bool rotation = k >= 3;
       const double s = rotation ? 0.5 * m->eq_data[mjNEQDATA * equality + 10] : 1;
