@@ -123,9 +123,9 @@ class RibCage {
       sections.push_back(section);
     }
     TubeStyle style;
-    style.sides = 8;
+    style.sides = 7;
     style.steps = 2;
-    style.squareness = 2.3;
+    style.squareness = 2.2;
     return tube(sections, style);
   }
 
@@ -163,7 +163,7 @@ class RibCage {
       sections.push_back({line[k], i == 0 ? 5.0_mm : 3.9_mm, up});
     }
     TubeStyle style;
-    style.sides = 8;
+    style.sides = 7;
     style.steps = 1;
     return tube(sections, style);
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/bone_parts.h"
+#include "model/fuse.h"
 
 namespace torso {
 namespace {
@@ -13,7 +14,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kRim = 0.6_mm;         // rounding of the endplates' edge
+constexpr double kRim = 1.2_mm;         // rounding of the endplates' edge
 constexpr double kFacetGap = 2.0_mm;    // two cartilages between two facet faces
 constexpr double kFacetDepth = 4.5_mm;  // bone behind a facet face
 
@@ -73,7 +74,7 @@ class VertebraBuilder {
   bool cervical() const { return v_.region == Region::kCervical; }
 
   TriMesh body() const {
-    constexpr int kPoints = 24;
+    constexpr int kPoints = 48;
     const auto plane = [&](double sign, double pitch, double width, double depth) {
       Isometry3d X = Isometry3d::Identity();
       X.translate(Vector3d(0, 0, sign * half_height_));
@@ -104,11 +105,15 @@ class VertebraBuilder {
       rings.push_back(ring);
     };
     add(0, 0.55 * lower[0].norm(), 0);
-    add(0, 0.7 * kRim, 0);
-    for (double t : {rim, 2.5 * rim}) add(t, 0, 0.15 * waist * (t > rim));
-    for (double t : {0.3, 0.5, 0.7}) add(t, 0, waist * (t == 0.5 ? 1 : 0.85));
-    for (double t : {1 - 2.5 * rim, 1 - rim}) add(t, 0, 0.15 * waist * (t < 1 - rim));
-    add(1, 0.7 * kRim, 0);
+    add(0, 0.8 * kRim, 0);
+    add(0.35 * rim, 0.25 * kRim, 0);
+    for (double t : {rim, 2.5 * rim}) add(t, 0, 0.1 * waist * (t > rim));
+    for (double t : {0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8}) {
+      add(t, 0, waist * (1 - std::pow(std::abs(2 * t - 1), 2.2)));
+    }
+    for (double t : {1 - 2.5 * rim, 1 - rim}) add(t, 0, 0.1 * waist * (t < 1 - rim));
+    add(1 - 0.35 * rim, 0.25 * kRim, 0);
+    add(1, 0.8 * kRim, 0);
     add(1, 0.55 * upper[0].norm(), 0);
     return loft(rings);
   }
@@ -132,8 +137,6 @@ class VertebraBuilder {
     Vector3d edge = end;
     edge.x() = back_;
     TubeStyle style;
-    style.sides = 8;
-    style.steps = 1;
     style.squareness = 2.4;
     style.cap = 0.3;
     const double up = v_.pedicle_height / 2;
@@ -170,8 +173,6 @@ class VertebraBuilder {
       arch.push_back({{x, side * y, z}, t, h * (1 - 0.30 * s * s), up});
     }
     TubeStyle style;
-    style.sides = 8;
-    style.steps = 1;
     style.squareness = 2.6;
     return tube(arch, style);
   }
@@ -179,7 +180,7 @@ class VertebraBuilder {
   // Loft from a root to a facet face that it ends in. At the root it runs along `sign` z.
   void articularProcess(const Isometry3d& face, double width, double height, const Vector3d& root,
                         double root_side, double root_depth, double sign) {
-    constexpr int kPoints = 10;
+    constexpr int kPoints = 18;
     const Vector3d across = face.linear().col(0), up = face.linear().col(1);
     const Vector3d out = face.linear().col(2);
     std::vector<Ring> rings;
@@ -250,8 +251,7 @@ class VertebraBuilder {
     const double length = (tip - root).norm();
     const Vector3d along = (tip - root) / length;
     TubeStyle style;
-    style.sides = 10;
-    style.steps = 1;
+    style.up = Vector3d(along.z(), 0, -along.x());  // across it, in the mid-plane
     if (lumbar()) {
       // A tall plate with a thick, square end.
       style.squareness = 3.2;
@@ -285,7 +285,6 @@ class VertebraBuilder {
       const Vector3d fork = tip - std::min(8.0_mm, 0.4 * length) * along;
       shaft.push_back({fork, 3.0_mm, 3.0_mm});
       append(mesh_, tube(shaft, style));
-      style.sides = 8;
       // Two horns; each tip lies beside the table's tip.
       append_tube(
           {{fork, 2.4_mm, 2.6_mm}, {tip - cap * along + Vector3d(0, 4.0_mm, 0), 2.4_mm, 2.6_mm}},
@@ -299,8 +298,6 @@ class VertebraBuilder {
     const bool l5 = v_.name == "L5";
     const double thick = l5 ? 4.5_mm : 2.6_mm, tall = l5 ? 6.5_mm : 5.0_mm;
     TubeStyle style;
-    style.sides = 8;
-    style.steps = 1;
     style.squareness = 2.2;
     style.cap = 1;
     const double tip_thick = 0.75 * thick;
@@ -319,7 +316,7 @@ class VertebraBuilder {
     const Isometry3d face = v_.frame().inverse() * facetFrame(anatomy_, *superior_);
     const Vector3d p = face * Vector3d(0, -0.1 * superior_->height, -5.5_mm);
     appendPair(mesh_, ellipsoid(p + pointMm(-2.5, 1, -1), pointMm(4.5, 3.5, 5.5),
-                                Matrix3d::Identity(), 8));
+                                Matrix3d::Identity(), 14));
   }
 
   void thoracicTransverse() {
@@ -327,8 +324,6 @@ class VertebraBuilder {
     const double span = v_.transverse_process_span / 2;
     const CostalJoint* joint = findCostotransverse(anatomy_, v_.name);
     TubeStyle style;
-    style.sides = 10;
-    style.steps = 1;
     style.cap = 0.8;
     const double r = joint ? 4.6_mm : 3.6_mm;
     // A club whose front carries the rib's tubercle.
@@ -349,8 +344,6 @@ class VertebraBuilder {
     const double span = v_.transverse_process_span / 2;
     const double width = (v_.upper_endplate_width + v_.lower_endplate_width) / 2;
     TubeStyle style;
-    style.sides = 7;
-    style.steps = 1;
     // Two bars around the foramen of the vertebral artery, joined at the tip.
     const double r = 2.4_mm;
     const Vector3d tip(end.x() + 3.0_mm, span - r, -2.5_mm);
@@ -362,7 +355,7 @@ class VertebraBuilder {
                  {tip - Vector3d(0, 0.5_mm, 0), 0.9 * r, r}},
                 style);
     append_tube({{end, 3.0_mm, 3.2_mm}, {tip, r, r}}, style);
-    appendPair(mesh_, ellipsoid(tip, Vector3d(r, r, 1.2 * r), sideways, 8));
+    appendPair(mesh_, ellipsoid(tip, Vector3d(r, r, 1.2 * r), sideways, 14));
   }
 
   void append_tube(const std::vector<Section>& sections, const TubeStyle& style) {
@@ -392,7 +385,7 @@ Isometry3d facetFrame(const Anatomy& anatomy, const ArticularFacet& facet) {
 }
 
 TriMesh facetPad(const Isometry3d& frame, double width, double height, double depth) {
-  constexpr int kPoints = 12;
+  constexpr int kPoints = 20;
   // Depth behind the face, and girth: a flat face with a rounded edge and back.
   const double stations[][2] = {{0, 0.5},    {0, 0.95},    {0.12, 1},
                                 {0.5, 0.97}, {0.85, 0.72}, {1, 0.35}};
@@ -409,9 +402,13 @@ TriMesh facetPad(const Isometry3d& frame, double width, double height, double de
   return loft(rings);
 }
 
-TriMesh vertebraMesh(const Anatomy& anatomy, const std::string& level) {
+TriMesh vertebraShells(const Anatomy& anatomy, const std::string& level) {
   const Vertebra& v = anatomy.vertebra(level);
   return transformed(VertebraBuilder(anatomy, v).build(), v.frame());
+}
+
+TriMesh vertebraMesh(const Anatomy& anatomy, const std::string& level) {
+  return fuse(vertebraShells(anatomy, level), {1.2_mm, 3.5_mm, 1150, 1, true});
 }
 
 }  // namespace torso
