@@ -80,7 +80,7 @@ class Head {
     append(mesh, crowns(kUpper));
     append(mesh, crowns(kLower));
     append(mesh, fuse(atlas(), {1.1_mm, 2.5_mm, 600, 2, true}));
-    append(mesh, fuse(axis(), {1_mm, 3_mm, 1000, 2, true}));
+    append(mesh, fuse(axis(), {1.2_mm, 3_mm, 1000, 0, true}));
     return mesh;
   }
 

@@ -70,7 +70,7 @@ TriMesh humerusMesh(const Anatomy& anatomy) {
                      f.section(1, 0, 0.84, 0, 15, 8.5), f.section(0, 0, 0.93, 0, 22, 8),
                      f.section(-1, -1, 0.97, 0, 25, 7.5)},
                     shaftStyle()));
-  append(mesh, ellipsoid(f.at(0, 0, 0), pointMm(23.5, 23.5, 23.5), Matrix3d::Identity(), 20));
+  append(mesh, ellipsoid(f.at(0, 0, 0), pointMm(23, 23, 23), Matrix3d::Identity(), 20));
   // Greater and lesser tubercle, deltoid tuberosity.
   append(mesh, ellipsoid(f.at(-3, 17, 0, -4), pointMm(15, 10, 18), Matrix3d::Identity(), 20));
   append(mesh, ellipsoid(f.at(18, 8, 0, -9), pointMm(7, 7, 11), Matrix3d::Identity(), 20));
@@ -175,7 +175,7 @@ TriMesh handMesh(const Anatomy& anatomy) {
 TriMesh femurMesh(const Anatomy& anatomy) {
   const LimbFrame f(anatomy.landmark("hip_joint_centre"), anatomy.landmark("knee"));
   TriMesh mesh;
-  append(mesh, ellipsoid(f.origin, pointMm(23.5, 23.5, 23.5), Matrix3d::Identity(), 20));
+  append(mesh, ellipsoid(f.origin, pointMm(23, 23, 23), Matrix3d::Identity(), 20));
   TubeStyle style;
   // Neck, to the side and down.
   append(mesh, tube({f.section(0, 6, 0, -4, 17, 16), f.section(-3, 22, 0, -14, 12.5, 15.5),

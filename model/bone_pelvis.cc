@@ -44,7 +44,7 @@ TriMesh sacrum(const Anatomy& anatomy) {
   // Alae.
   style.up = Vector3d::UnitZ();
   style.squareness = 2.3;
-  appendPair(mesh, tube({sectionMm(-8, 8, -11, 14, 10), sectionMm(-10, 30, -11, 16, 11),
+  appendPair(mesh, tube({sectionMm(-10, 8, -17, 14, 10), sectionMm(-12, 30, -14, 15, 10),
                          sectionMm(-15, 42, -16, 14, 12), sectionMm(-21, 48, -24, 9, 10)},
                         style));
   // Median crest, four bumps of spinous processes; beside it the foramina's ridge.
@@ -133,7 +133,7 @@ TriMesh hipBone(const Anatomy& anatomy) {
   const Vector3d open = Vector3d(0.30, 0.80, -0.52).normalized();
   const Vector3d a = open.unitOrthogonal(), b = open.cross(a);
   std::vector<Ring> cup;
-  const double inner = 25.5_mm, outer = 33_mm;
+  const double inner = 26.5_mm, outer = 34_mm;
   const auto cupRing = [&](double radius, double degrees) {
     const double polar = degrees * EIGEN_PI / 180;  // from the bottom of the cup
     Ring ring;
@@ -185,8 +185,10 @@ TriMesh hipBone(const Anatomy& anatomy) {
 }  // namespace
 
 std::vector<BonePart> pelvisMesh(const Anatomy& anatomy) {
-  TriMesh bone = fuse(sacrum(anatomy), {1.4_mm, 5_mm, 1500, 2, true});
-  appendPair(bone, fuse(hipBone(anatomy), {1.6_mm, 8_mm, 1500, 2, false}));
+  const TriMesh socket = ellipsoid(anatomy.landmark("hip_joint_centre"), pointMm(25.5, 25.5, 25.5),
+                                   Matrix3d::Identity(), 28);
+  TriMesh bone = fuse(sacrum(anatomy), {1.4_mm, 4_mm, 1400, 1, true});
+  appendPair(bone, fuse(hipBone(anatomy), {1.6_mm, 8_mm, 1500, 2, false}, socket));
   // Symphysis, between the two bodies of the pubis.
   const Vector3d hip = anatomy.landmark("hip_joint_centre");
   TubeStyle style;

@@ -40,7 +40,7 @@ TriMesh scapulaMesh(const Anatomy& anatomy) {
   const Vector3d ai = anatomy.landmark("scapula_inferior_angle_AI");
   const Vector3d gh = anatomy.landmark("glenohumeral_centre_GH");
   const Vector3d ac = anatomy.landmark("acromioclavicular_joint_AC");
-  const double kHeadRadius = 25.5_mm;  // humeral head with both cartilages
+  const double kHeadRadius = 26_mm;  // humeral head with both cartilages
 
   // Glenoid: faces the joint centre, along the blade.
   const Vector3d out = (gh - ts - pointMm(0, 0, -6)).normalized();
@@ -143,7 +143,8 @@ TriMesh scapulaMesh(const Anatomy& anatomy) {
                      {top_neck + pointMm(36, 6, 4), 5.5_mm, 5_mm},
                      {top_neck + pointMm(42, 12, -2), 4.5_mm, 4.5_mm}},
                     style));
-  return fuse(mesh, {1.1_mm, 5_mm, 1000, 2, false});
+  return fuse(mesh, {1.1_mm, 5_mm, 1000, 2, false},
+              ellipsoid(gh, pointMm(25.5, 25.5, 25.5), Matrix3d::Identity(), 28));
 }
 
 }  // namespace torso

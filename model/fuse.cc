@@ -60,7 +60,8 @@ class Field {
     value_.assign(std::size_t(size_[0]) * size_[1] * size_[2], band_);
   }
 
-  void add(const TriMesh& shell) {
+  // Unites the field with a shell, or takes the shell's inside away.
+  void add(const TriMesh& shell, bool cut = false) {
     AlignedBox3d box;
     for (const Vector3d& v : shell.vertices) box.extend(v);
     const Vector3i low = nodeBelow(box.min() - Vector3d::Constant(band_));
@@ -123,7 +124,8 @@ class Field {
           if (inside <= 0 && d2 >= band_ * band_) continue;
           const double d = std::sqrt(d2);
           double& value = value_[index(i, j, k)];
-          value = blend(value, inside > 0 ? -d : d, fillet_);
+          const double signed_d = inside > 0 ? -d : d;
+          value = cut ? std::max(value, -signed_d) : blend(value, signed_d, fillet_);
         }
       }
     }
@@ -420,9 +422,9 @@ class Simplifier {
         const bool fold = was > 0.05 && before.dot(after) < 0.3 * before.norm() * after.norm();
         if (sliver || fold) {
           // Later perhaps, when the neighbours have changed.
-          if (c.tries < 6) {
+          if (c.tries < 3) {
             Candidate again = c;
-            again.cost *= 8;
+            again.cost *= 30;
             again.tries++;
             heap_.push(again);
           }
@@ -527,11 +529,12 @@ std::vector<TriMesh> connectedParts(const TriMesh& mesh) {
 
 TriMesh simplified(const TriMesh& mesh, int max_faces) { return Simplifier(mesh).run(max_faces); }
 
-TriMesh fuse(const TriMesh& shells, const FuseOptions& options) {
+TriMesh fuse(const TriMesh& shells, const FuseOptions& options, const TriMesh& cut) {
   AlignedBox3d box;
   for (const Vector3d& v : shells.vertices) box.extend(v);
   Field field(box, options);
   for (const TriMesh& shell : connectedParts(shells)) field.add(shell);
+  for (const TriMesh& shell : connectedParts(cut)) field.add(shell, true);
   for (int i = 0; i < options.smoothing; i++) field.smooth(options.symmetric);
   TriMesh surface = field.surface();
   field.relax(surface, options.symmetric);

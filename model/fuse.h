@@ -17,8 +17,9 @@ struct FuseOptions {
 };
 
 // `shells`: closed, faces outwards, each connected; they may overlap. The result is closed, each
-// edge between two faces. Shapes thinner than about two voxels are lost.
-TriMesh fuse(const TriMesh& shells, const FuseOptions& options);
+// edge between two faces. Shapes thinner than about two voxels are lost. What lies in `cut`, shells
+// as well, is taken away.
+TriMesh fuse(const TriMesh& shells, const FuseOptions& options, const TriMesh& cut = {});
 
 // Edge collapses by quadric error (Garland and Heckbert 1997, SIGGRAPH) until max_faces are left.
 // Vertices on an open edge must lie in the plane y = 0 and stay in it.
