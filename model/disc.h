@@ -35,7 +35,7 @@ struct DiscShape {
 // R the nearest rotation, P the nearest matrix of determinant 1, mu = E / (2 (1 + nu)) and
 // kappa = 3 E nu / ((1 + nu) (1 - 2 nu)), which linearises to Hooke's law with E and nu.
 struct DiscMaterial {
-  double youngs_modulus;  // E [Pa], > 0
+  double youngs_modulus;  // E [Pa], > 0, <= 1e12
   double poissons_ratio;  // nu, 0 <= nu < 0.5
 };
 
@@ -57,8 +57,9 @@ struct DiscWrench {
 
 // Structured mesh: `rings` concentric rings of triangles, 6 per ring more than the last, times
 // `layers` layers of prisms of 3 tets. The topology does not depend on the shape, and is mirror
-// symmetric about the sagittal plane. The outline is convex in front and flattened behind, its area
-// 0.82 x width x depth. Defaults: 185 nodes, 648 tets.
+// symmetric about the sagittal plane (and, for an even number of layers, about z = 0). The outline
+// is convex, flattened behind, its area 0.82 x width x depth. Defaults: 185 nodes, 648 tets. Throws
+// std::invalid_argument if a size is not positive, or with fewer than 2 rings or 1 layer.
 DiscMesh makeDiscMesh(const DiscShape& shape, int rings = 3, int layers = 4);
 
 // Empty if the mesh can be simulated, else one sentence that names what is wrong (index out of
@@ -67,7 +68,9 @@ DiscMesh makeDiscMesh(const DiscShape& shape, int rings = 3, int layers = 4);
 std::string checkDiscMesh(const DiscMesh& mesh);
 std::string checkDiscMaterial(const DiscMaterial& material);
 
-// Area of the upper attached surface at rest [m^2].
-double upperEndplateArea(const DiscMesh& mesh);
+// Outward normal of the upper attached surface at rest times its area [m^2], summed over its faces;
+// zero if no three upper nodes are the face of a tet. For a plane endplate the norm is the area.
+Eigen::Vector3d upperEndplateAreaVector(const DiscMesh& mesh);
+double upperEndplateArea(const DiscMesh& mesh);  // norm of the above [m^2]
 
 }  // namespace torso

@@ -2,10 +2,7 @@
 #include "model/tri_mesh.h"
 
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <stdexcept>
 
 namespace torso {
 
@@ -30,7 +27,7 @@ TriMesh transformed(const TriMesh& mesh, const Eigen::Isometry3d& X) {
   return out;
 }
 
-void writeStl(const TriMesh& mesh, const std::string& path) {
+std::string toStl(const TriMesh& mesh) {
   // 80 bytes of header, the number of triangles, then per triangle a normal and three vertices as
   // little-endian floats and two unused bytes.
   std::string bytes(80, '\0');
@@ -47,10 +44,7 @@ void writeStl(const TriMesh& mesh, const std::string& path) {
     }
     bytes.append(2, '\0');
   }
-  std::ofstream file(path, std::ios::binary);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) throw std::runtime_error(path + ": cannot write (is the folder there and writable?)");
+  return bytes;
 }
 
 }  // namespace torso

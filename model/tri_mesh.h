@@ -18,7 +18,7 @@ struct TriMesh {
 void append(TriMesh& mesh, const TriMesh& part);
 TriMesh mirrored(const TriMesh& mesh);                                 // y -> -y
 TriMesh transformed(const TriMesh& mesh, const Eigen::Isometry3d& X);  // x -> X x
-// Binary STL. Throws std::runtime_error that names the file.
-void writeStl(const TriMesh& mesh, const std::string& path);
+// The bytes of a binary STL file.
+std::string toStl(const TriMesh& mesh);
 
 }  // namespace torso

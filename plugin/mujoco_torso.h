@@ -16,7 +16,8 @@
 extern "C" {
 #endif
 
-#define TORSO_VERSION 100 /* 100 * major + minor, e.g. 100 is 1.0 */
+#define TORSO_VERSION 10 /* 100 * major + 10 * minor + patch: 0.1.0 */
+#define TORSO_VERSION_STRING "0.1.0"
 
 /* version of the library at run time, as TORSO_VERSION; and as text */
 MJAPI int torso_version(void);

@@ -1,0 +1,287 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "model/disc_batch.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <stdexcept>
+
+#include "model/disc_elasticity.h"
+#include "model/disc_group.h"
+
+namespace torso {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+bool supported(const DiscKernels& kernels) {
+  if (&kernels == &kDiscKernelsAvx512) {
+    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+           __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
+  }
+  if (&kernels == &kDiscKernelsAvx2) {
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  }
+  return true;
+}
+
+const DiscKernels* bestKernels() {
+  __builtin_cpu_init();
+  for (const DiscKernels* k : {&kDiscKernelsAvx512, &kDiscKernelsAvx2}) {
+    if (supported(*k)) return k;
+  }
+  return &kDiscKernelsPortable;
+}
+
+std::atomic<const DiscKernels*>& kernelsInUse() {
+  static std::atomic<const DiscKernels*> kernels{bestKernels()};
+  return kernels;
+}
+
+// The state of a group: (6 + 3 nfree) x 8 doubles. The first six are the pose that the rest belongs
+// to, as twice the offset and twice the `rotation` of HalfwayFrame; zero is rest.
+constexpr int kPoseSize = 6;
+
+// Where the endplates move by more than this share of the disc's height relative to each other, a
+// full correction with the rest Hessian can overshoot and its length is chosen by the curvature.
+constexpr double kLargeStrain = 0.2;
+
+// The pose with a position no longer than `limit`: beyond it the disc's answer means nothing, but
+// must stay finite.
+DiscPose limited(const DiscPose& pose, double limit) {
+  DiscPose result = pose;
+  const double largest = pose.position.cwiseAbs().maxCoeff();
+  if (largest > limit) result.position *= limit / largest;
+  return result;
+}
+
+}  // namespace
+
+struct DiscBatch::Impl {
+  struct DiscData {
+    Disc disc;
+    DiscElasticity elasticity;
+    Vector3d normal;  // upperEndplateAreaVector
+    int group, lane;
+  };
+  struct Group {
+    std::vector<int> discs;  // (lane) disc index
+    DiscGroup data;
+    int state_offset;
+  };
+  // What one evaluation of a group knows of its lanes.
+  struct Lanes {
+    alignas(64) float pose_change[kPoseSize * kLanes] = {};
+    alignas(64) float wrench[6 * kLanes] = {};  // on the upper bone, frame M
+    alignas(64) float largest[kLanes] = {};     // correction that is taken at once [m]
+    alignas(64) float threshold[kLanes] = {};   // correction that asks for another iteration [m]
+    alignas(64) float active[kLanes] = {};      // 1 while the lane iterates, else 0
+    bool deformed[kLanes] = {};                 // the endplates have moved by kLargeStrain
+  };
+
+  void attach(const Group& group, const DiscPose* poses, const Options& options,
+              const double* old_state, double* new_state, float* u, Lanes* lanes) const;
+  int iterate(const Group& group, const Options& options, float* u, float* f, Lanes* lanes) const;
+
+  std::vector<DiscData> discs;
+  std::vector<Group> groups;
+  int state_size = 0;
+  int largest_nnode = 0;
+};
+
+// Brings the attached nodes to their bones in frame M, and the poses to the state.
+void DiscBatch::Impl::attach(const Group& group, const DiscPose* poses, const Options& options,
+                             const double* old_state, double* new_state, float* u,
+                             Lanes* lanes) const {
+  const DiscGroupView& view = group.data.view();
+  std::fill(u + 3 * kLanes * view.nfree, u + 3 * kLanes * view.nnode, 0.0f);
+  for (int k = 0; k < kPoseSize; ++k) {
+    // Lanes without a disc stay at rest.
+    std::fill(new_state + kLanes * k + group.discs.size(), new_state + kLanes * (k + 1), 0.0);
+  }
+  for (int lane = 0; lane < static_cast<int>(group.discs.size()); ++lane) {
+    const double height = discs[group.discs[lane]].elasticity.height;
+    const HalfwayFrame frame(limited(poses[group.discs[lane]], view.limit[lane]));
+    for (int k = 0; k < kPoseSize; ++k) {
+      const double value = 2 * (k < 3 ? frame.offset[k] : frame.rotation[k - 3]);
+      lanes->pose_change[kLanes * k + lane] =
+          static_cast<float>(value - old_state[kLanes * k + lane]);
+      new_state[kLanes * k + lane] = value;
+    }
+    const double large = kLargeStrain / 2 * height;
+    const Matrix3d turn = frame.half - Matrix3d::Identity();
+    for (int i = view.nfree; i < view.nnode; ++i) {
+      const float* X = view.rest + 3 * kLanes * (i - view.nfree) + lane;
+      const Vector3d rest(X[0], X[kLanes], X[2 * kLanes]);
+      Vector3d d;
+      if (i < view.nfree + view.nlower) {
+        d = turn.transpose() * rest - frame.offset;
+      } else {
+        d = turn * rest + frame.offset;
+      }
+      for (int k = 0; k < 3; ++k) u[kLanes * (3 * i + k) + lane] = static_cast<float>(d[k]);
+      lanes->deformed[lane] |= d.squaredNorm() > large * large;
+    }
+    lanes->active[lane] = 1;
+    lanes->largest[lane] = static_cast<float>(0.5 * height);
+    lanes->threshold[lane] = static_cast<float>(options.tolerance * height);
+  }
+}
+
+// Iterates until no lane asks for more; returns the number of iterations. A lane that is done keeps
+// its shape and wrench, so that a disc's answer does not depend on its neighbours in the group.
+int DiscBatch::Impl::iterate(const Group& group, const Options& options, float* u, float* f,
+                             Lanes* lanes) const {
+  const DiscKernels& kernels = *kernelsInUse().load(std::memory_order_relaxed);
+  const DiscGroupView& view = group.data.view();
+  const int nlane = static_cast<int>(group.discs.size());
+  alignas(64) float ends[6 * kLanes], response[6 * kLanes];
+  alignas(64) float work[kLanes], change[kLanes], extra[kLanes], factor[kLanes];
+  const bool any_deformed =
+      std::any_of(lanes->deformed, lanes->deformed + nlane, [](bool b) { return b; });
+  for (int iterations = 1;; ++iterations) {
+    kernels.forces(view, u, f);
+    kernels.wrench(view, u, f, ends, response);
+    kernels.solve(view, f, work, change);
+    // Where the disc has become stiffer than at rest along the correction, less of it is enough.
+    std::copy(lanes->active, lanes->active + kLanes, factor);
+    if (any_deformed) {
+      std::fill(f + 3 * kLanes * view.nfree, f + 3 * kLanes * view.nnode, 0.0f);
+      kernels.stiffening(view, u, f, extra);
+      for (int lane = 0; lane < nlane; ++lane) {
+        if (lanes->deformed[lane] && extra[lane] > 0) {
+          factor[lane] *= work[lane] / (work[lane] + extra[lane]);
+        }
+      }
+    }
+    kernels.apply(view, factor, lanes->largest, f, u);
+    bool again = false;
+    for (int lane = 0; lane < nlane; ++lane) {
+      if (lanes->active[lane] == 0) continue;
+      for (int k = lane; k < 6 * kLanes; k += kLanes) {
+        lanes->wrench[k] = ends[k] + factor[lane] * response[k];
+      }
+      if (change[lane] > lanes->threshold[lane] && iterations < options.max_iterations) {
+        again = true;
+      } else {
+        lanes->active[lane] = 0;
+      }
+    }
+    if (!again) return iterations;
+  }
+}
+
+DiscBatch::DiscBatch(const std::vector<Disc>& discs) : impl_(std::make_unique<Impl>()) {
+  for (size_t i = 0; i < discs.size(); ++i) {
+    try {
+      impl_->discs.push_back({discs[i], DiscElasticity(discs[i].mesh, discs[i].material),
+                              upperEndplateAreaVector(discs[i].mesh), -1, 0});
+    } catch (const std::invalid_argument& e) {
+      throw std::invalid_argument("disc " + std::to_string(i) + ": " + e.what());
+    }
+  }
+  const auto sameTopology = [](const DiscMesh& a, const DiscMesh& b) {
+    return a.tets == b.tets && a.lower_nodes == b.lower_nodes && a.upper_nodes == b.upper_nodes &&
+           a.rest_positions.size() == b.rest_positions.size();
+  };
+  std::vector<std::vector<int>> members;
+  for (int i = 0; i < size(); ++i) {
+    auto group = std::find_if(members.begin(), members.end(), [&](const std::vector<int>& m) {
+      return m.size() < static_cast<size_t>(kLanes) && sameTopology(disc(m[0]).mesh, disc(i).mesh);
+    });
+    if (group == members.end()) group = members.insert(members.end(), std::vector<int>());
+    impl_->discs[i].group = static_cast<int>(group - members.begin());
+    impl_->discs[i].lane = static_cast<int>(group->size());
+    group->push_back(i);
+  }
+  for (const auto& m : members) {
+    std::vector<const DiscMesh*> meshes;
+    std::vector<const DiscElasticity*> elasticities;
+    for (int i : m) {
+      meshes.push_back(&impl_->discs[i].disc.mesh);
+      elasticities.push_back(&impl_->discs[i].elasticity);
+    }
+    impl_->groups.push_back({m, DiscGroup(meshes, elasticities), impl_->state_size});
+    const DiscGroupView& view = impl_->groups.back().data.view();
+    impl_->state_size += (kPoseSize + 3 * view.nfree) * kLanes;
+    impl_->largest_nnode = std::max(impl_->largest_nnode, view.nnode);
+  }
+}
+
+DiscBatch::~DiscBatch() = default;
+
+int DiscBatch::size() const { return static_cast<int>(impl_->discs.size()); }
+int DiscBatch::stateSize() const { return impl_->state_size; }
+
+std::size_t DiscBatch::scratchSize() const {
+  return 2 * sizeof(float) * 3 * kLanes * static_cast<std::size_t>(impl_->largest_nnode);
+}
+
+int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* state_out,
+                        DiscWrench* wrenches, void* scratch, const Options& options) const {
+  const DiscKernels& kernels = *kernelsInUse().load(std::memory_order_relaxed);
+  float* const u = static_cast<float*>(scratch);
+  float* const f = u + 3 * kLanes * impl_->largest_nnode;
+  int most_iterations = 0;
+  for (const Impl::Group& group : impl_->groups) {
+    const DiscGroupView& view = group.data.view();
+    const double* const old_state = state_in + group.state_offset;
+    double* const new_state = state_out + group.state_offset;
+    Impl::Lanes lanes;
+    impl_->attach(group, poses, options, old_state, new_state, u, &lanes);
+    kernels.predict(view, old_state + kPoseSize * kLanes, lanes.pose_change, u);
+    most_iterations = std::max(most_iterations, impl_->iterate(group, options, u, f, &lanes));
+    kernels.store(view, u, new_state + kPoseSize * kLanes);
+    for (size_t lane = 0; lane < group.discs.size(); ++lane) {
+      const int i = group.discs[lane];
+      Vector6d in_m;
+      for (int k = 0; k < 6; ++k) in_m[k] = lanes.wrench[kLanes * k + lane];
+      wrenches[i] =
+          HalfwayFrame(limited(poses[i], view.limit[lane])).wrench(in_m, impl_->discs[i].normal);
+    }
+  }
+  return most_iterations;
+}
+
+void DiscBatch::positions(int i, const DiscPose& pose, const double* state, double* xpos) const {
+  const Impl::DiscData& disc = impl_->discs[i];
+  const Impl::Group& group = impl_->groups[disc.group];
+  const DiscGroupView& view = group.data.view();
+  const double* u = state + group.state_offset + kPoseSize * kLanes + disc.lane;
+  const HalfwayFrame frame(pose);
+  const auto& rest = disc.disc.mesh.rest_positions;
+  for (size_t node = 0; node < rest.size(); ++node) {
+    const int n = group.data.number()[node];
+    Vector3d x;
+    if (n < view.nfree) {
+      const Vector3d d(u[kLanes * 3 * n], u[kLanes * (3 * n + 1)], u[kLanes * (3 * n + 2)]);
+      x = frame.half * (rest[node] + d) + frame.origin;
+    } else if (n < view.nfree + view.nlower) {
+      x = rest[node];
+    } else {
+      x = frame.full * rest[node] + pose.position;
+    }
+    for (int k = 0; k < 3; ++k) xpos[3 * node + k] = x[k];
+  }
+}
+
+const Eigen::Matrix<double, 6, 6>& DiscBatch::restStiffness(int i) const {
+  return impl_->discs[i].elasticity.rest_stiffness;
+}
+
+const DiscBatch::Disc& DiscBatch::disc(int i) const { return impl_->discs[i].disc; }
+
+const char* DiscBatch::instructionSet() { return kernelsInUse().load()->name; }
+
+bool DiscBatch::setInstructionSet(const std::string& name) {
+  for (const DiscKernels* k : {&kDiscKernelsPortable, &kDiscKernelsAvx2, &kDiscKernelsAvx512}) {
+    if (name == k->name && supported(*k)) {
+      kernelsInUse() = k;
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace torso

@@ -1,0 +1,64 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include "tools/commands.h"
+#include "tools/error.h"
+#include "tools/mujoco_support.h"
+#include "tools/paths.h"
+
+namespace torso::tools {
+namespace {
+
+constexpr char kViewer[] = "mujoco-simulate";
+
+bool isSet(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value && *value;
+}
+
+// Replaces this process by the viewer.
+void view(const std::string& model) {
+  torsoOf(loadModel(model).get(), model);  // a broken model is told here, not in a window
+  if (!isSet("DISPLAY") && !isSet("WAYLAND_DISPLAY")) {
+    throw Error(fmt::format(
+        "{}: no display to open a window on (neither DISPLAY nor WAYLAND_DISPLAY is set); make a "
+        "picture with 'torso render {} -o picture.png'",
+        model, model));
+  }
+  std::string preload = pluginLibrary();
+  if (isSet("LD_PRELOAD")) preload += fmt::format(":{}", std::getenv("LD_PRELOAD"));
+  setenv("LD_PRELOAD", preload.c_str(), 1);
+  execlp(kViewer, kViewer, model.c_str(), static_cast<char*>(nullptr));
+  if (errno == ENOENT) {
+    throw Error(
+        fmt::format("{}: MuJoCo's viewer {} is not installed; install the package "
+                    "libmujoco-samples",
+                    model, kViewer));
+  }
+  throw Error(fmt::format("{}: cannot start {}: {}", model, kViewer, std::strerror(errno)));
+}
+
+}  // namespace
+
+void addView(CLI::App& app) {
+  auto model = std::make_shared<std::string>();
+  CLI::App* command =
+      app.add_subcommand("view", "Open a model in MuJoCo's own viewer, with the torso plugin.");
+  command->footer(
+      "The viewer is mujoco-simulate from the package libmujoco-samples, unmodified; the plugin "
+      "is\n"
+      "loaded into it with LD_PRELOAD. In the viewer, press F1 for help.\n\n"
+      "Examples:\n"
+      "  torso view mjcf/human.xml");
+  command->add_option("MODEL", *model, "MJCF, URDF or MJB file")->required();
+  command->callback([model] { view(*model); });
+}
+
+}  // namespace torso::tools

@@ -1,0 +1,17 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace torso::tools {
+
+// One subcommand each, in the file cmd_<name>.cc. A command writes data to stdout and messages to
+// stderr, and throws Error if it cannot do what was asked.
+void addBench(CLI::App& app);
+void addBuild(CLI::App& app);
+void addInfo(CLI::App& app);
+void addRender(CLI::App& app);
+void addRun(CLI::App& app);
+void addView(CLI::App& app);
+
+}  // namespace torso::tools

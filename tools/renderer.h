@@ -1,0 +1,51 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace torso::tools {
+
+// Pictures of a model without a window or a display, through EGL. One at a time per process.
+class Renderer {
+ public:
+  // Size in pixels; anti-aliasing as the model asks (visual/quality offsamples). Changes the size
+  // of the offscreen buffer in m->vis. Throws Error if there is no EGL or the picture is too large.
+  Renderer(mjModel* m, int width, int height);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  // PNG file content of the state in d, for which mj_forward was called.
+  std::string png(mjData* d, const mjvOption& option, mjvCamera camera);
+
+ private:
+  struct Context;
+  std::unique_ptr<Context> context_;
+  const mjModel* m_;
+  mjvScene scene_;
+  mjrContext gl_;
+  int width_, height_;
+};
+
+// What can be shown or hidden by name:
+// bones (geom group 1), outline (geom group 2), collision (geom group 3), facets (geom and site
+// group 4), ligaments (tendon group 1), discs (skin group 1)
+const std::vector<std::string>& layerNames();
+
+// Show or hide a layer, or a group "geom:3", "site:4", "joint:0", "tendon:1", "actuator:0",
+// "skin:1". Throws Error that lists the choices.
+void setVisible(mjvOption& option, const std::string& layer_or_group, bool visible);
+
+// A free camera with the given direction [deg] that has all visible body geoms and tendons, in each
+// of the given states, in a picture of the given aspect (width by height). Needs mj_fwdPosition.
+mjvCamera frameBodies(const mjModel* m, const std::vector<const mjData*>& states,
+                      const mjvOption& option, double azimuth, double elevation, double aspect);
+
+// The direction of the default camera [deg]: onto the front, a little from above and its right.
+constexpr double kDefaultAzimuth = 150, kDefaultElevation = -10;
+
+}  // namespace torso::tools

@@ -1,0 +1,72 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "tools/mjcf.h"
+#include "tools/torso_mjcf.h"
+
+namespace torso::tools {
+
+void writeScene(tinyxml2::XMLDocument& document) {
+  document.InsertEndChild(
+      document.NewComment(" Floor, light and sky for human.xml, or for a scene of your own. "
+                          "Written by `torso build`. "));
+  tinyxml2::XMLElement* root = document.NewElement("mujoco");
+  document.InsertEndChild(root);
+
+  Element visual(root, "visual");
+  Element(visual, "headlight")
+      .set("ambient", {0.35, 0.35, 0.35})
+      .set("diffuse", {0.45, 0.45, 0.45})
+      .set("specular", {0.1, 0.1, 0.1});
+  Element(visual, "map").set("znear", 0.01).set("zfar", 40).set("force", 0.02);
+  Element(visual, "quality").set("shadowsize", 4096).set("offsamples", 8);
+  Element(visual, "global")
+      .set("azimuth", 140)
+      .set("elevation", -10)
+      .set("offwidth", 1920)
+      .set("offheight", 1440);
+  Element(visual, "scale")
+      .set("forcewidth", 0.03)
+      .set("contactwidth", 0.06)
+      .set("contactheight", 0.02);
+  Element(visual, "rgba").set("haze", {0.90, 0.92, 0.94, 1});
+  Element(root, "statistic").set("center", {0, 0, 0.95}).set("extent", 1.3);
+
+  Element asset(root, "asset");
+  Element(asset, "texture")
+      .set("type", "skybox")
+      .set("builtin", "gradient")
+      .set("rgb1", {0.93, 0.94, 0.95})
+      .set("rgb2", {0.62, 0.68, 0.74})
+      .set("width", 256)
+      .set("height", 1536);
+  Element(asset, "texture")
+      .set("name", "floor")
+      .set("type", "2d")
+      .set("builtin", "checker")
+      .set("rgb1", {0.78, 0.80, 0.82})
+      .set("rgb2", {0.70, 0.73, 0.76})
+      .set("width", 512)
+      .set("height", 512);
+  Element(asset, "material")
+      .set("name", "floor")
+      .set("texture", "floor")
+      .set("texrepeat", {2, 2})
+      .set("texuniform", "true")
+      .set("reflectance", 0.05);
+
+  Element world(root, "worldbody");
+  Element(world, "geom")
+      .set("name", "floor")
+      .set("type", "plane")
+      .set("size", {0, 0, 0.05})
+      .set("material", "floor")
+      .set("condim", 3);
+  Element(world, "light")
+      .set("name", "key")
+      .set("directional", "true")
+      .set("pos", {2, 1.5, 4})
+      .set("dir", {-0.45, -0.35, -1})
+      .set("diffuse", {0.55, 0.55, 0.52})
+      .set("specular", {0.2, 0.2, 0.2});
+}
+
+}  // namespace torso::tools

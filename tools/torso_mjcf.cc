@@ -1,0 +1,694 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "tools/torso_mjcf.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "model/body.h"
+#include "model/facet.h"
+#include "model/ligament.h"
+#include "tools/collision_shapes.h"
+#include "tools/mjcf.h"
+
+namespace torso::tools {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using tinyxml2::XMLElement;
+
+// Viewer groups, one per layer; 0-2 are shown at first, 3-5 hidden.
+constexpr int kBoneGroup = 1, kDiscGroup = 1, kLigamentGroup = 1;
+constexpr int kCollisionGroup = 3, kFacetGroup = 4, kSiteGroup = 4;
+
+// Bits of contype and conaffinity. Anything with MuJoCo's default bits (1, 1) meets every bone;
+// limbs and head also meet each other, the rib cage, the lumbar slices and the pelvis.
+constexpr int kWorldBit = 1, kLimbBit = 2;
+
+// Facet pairs: the margin passes them through the bounding-sphere filter at any excursion; the
+// equal gap makes stock MuJoCo act on penetration only.
+constexpr double kFacetMargin = 0.1;
+
+// Capsules, radiate ligaments and intercostal tissue between the rib cage and the spine: linear
+// bushings at T1, T4, T7 and T10. Assumed: soft beside the facets, enough to keep the cage from
+// rattling in their bands.
+constexpr const char* kBushingLevels[] = {"T1", "T4", "T7", "T10"};
+constexpr double kBushing[4] = {1e4, 200, 5, 1};  // [N/m, Ns/m, Nm/rad, Nms/rad]
+
+// Rows exist from this distance before the limit, so that the plugin can stop a fast ligament at
+// it.
+constexpr double kLigamentMargin = 0.002;
+
+// Stiff enough to hold the band within a millimetre in a 2 m fall, soft enough for 200 Hz.
+constexpr const char* kLimitSolref = "0.004 1";
+constexpr const char* kLimitSolimp = "0.9 0.99 0.001";
+
+class Writer {
+ public:
+  Writer(const Anatomy& anatomy, const MjcfOptions& options, XMLElement* root)
+      : a_(anatomy), o_(options), root_(root) {}
+
+  void write();
+
+ private:
+  bool detailed() const { return o_.kind == TorsoKind::kDetailed; }
+  std::string named(const std::string& name) const { return o_.prefix + name; }
+  // Body in which a body of the anatomy is moulded: itself, or the one rigid torso.
+  std::string host(const std::string& body) const;
+  Isometry3d frame(const std::string& body) const { return bodyFrame(a_, host(body)); }
+  Vector3d local(const std::string& body, const Vector3d& standing) const {
+    return frame(body).inverse() * standing;
+  }
+  Quaterniond localRotation(const std::string& body, const Matrix3d& standing) const {
+    return Quaterniond(frame(body).linear().transpose() * standing);
+  }
+
+  void writeOptions();
+  void writeDefaults();
+  void writeAssets();
+  void writeBodies();
+  XMLElement* writeBody(XMLElement* parent, const std::string& parent_name,
+                        const std::string& body);
+  void writeBones(XMLElement* element, const std::string& body);
+  void writeInertial(XMLElement* element, const std::string& body);
+  XMLElement* facetBody(const std::string& body);
+  void writeSites();
+  void writeContacts();
+  void writeTendons();
+  void writeEqualities();
+  void writeActuators();
+  void writeSensors();
+  void writeCustom();
+  void writeSkins(XMLElement* asset);
+
+  const Anatomy& a_;
+  const MjcfOptions& o_;
+  XMLElement* root_;
+  std::map<std::string, XMLElement*> bodies_, facet_bodies_;
+  std::vector<Facet> facets_;
+  std::vector<LigamentSegment> ligaments_;
+  std::vector<DiscMesh> discs_;
+};
+
+bool isRigidPart(const std::string& body) {
+  const auto [side, name] = splitSide(body);
+  return side == Side::kMiddle || name == "clavicle" || name == "scapula";
+}
+
+std::string Writer::host(const std::string& body) const {
+  return !detailed() && isRigidPart(body) && body != "head" ? "pelvis" : body;
+}
+
+void Writer::write() {
+  root_->SetAttribute("model", named(o_.limbs ? "human" : "torso").c_str());
+  if (detailed()) {
+    facets_ = makeFacets(a_);
+    ligaments_ = makeLigaments(a_);
+    for (const Disc& disc : a_.discs) discs_.push_back(makeDiscMesh(disc.shape));
+  }
+  if (o_.scene) Element(root_, "include").set("file", "scene.xml");
+  writeOptions();
+  writeDefaults();
+  writeAssets();
+  writeBodies();
+  if (detailed()) writeSites();
+  writeContacts();
+  if (detailed()) writeTendons();
+  if (detailed()) writeEqualities();
+  writeActuators();
+  if (detailed()) writeSensors();
+  if (detailed()) writeCustom();
+}
+
+void Writer::writeOptions() {
+  Element(root_, "compiler").set("autolimits", "true");
+  Element(root_, "option")
+      .set("timestep", 1.0 / 600)
+      .set("jacobian", "sparse")
+      .set("solver", "Newton");
+  // Table sizes cost memory and time: about twice what 2 m falls with random controls use.
+  Element size(root_, "size");
+  size.set("njmax", 1500).set("nconmax", 500).set("nstack", 2000000);
+  if (detailed()) size.set("nuser_sensor", 1).set("nuserdata", 20000);
+}
+
+void Writer::writeDefaults() {
+  Element defaults(root_, "default");
+  const auto makeClass = [&](const char* name) {
+    return Element(defaults, "default").set("class", named(name));
+  };
+  Element bone = makeClass("bone");
+  Element(bone, "geom")
+      .set("type", "mesh")
+      .set("group", kBoneGroup)
+      .set("contype", 0)
+      .set("conaffinity", 0)
+      .set("mass", 0)
+      .set("material", named("bone"));
+  const auto collision = [&](const char* name, int contype, int conaffinity) {
+    Element c = makeClass(name);
+    Element(c, "geom")
+        .set("group", kCollisionGroup)
+        .set("contype", contype)
+        .set("conaffinity", conaffinity)
+        .set("condim", 3)
+        .set("friction", {0.8, 0.005, 0.0001})
+        .set("mass", 0)
+        .set("solref", "0.01 1")
+        .set("solimp", "0.9 0.95 0.005")
+        .set("rgba", {0.8, 0.5, 0.4, 0.35});
+  };
+  collision("spine", 0, kWorldBit);
+  collision("trunk", 0, kWorldBit | kLimbBit);
+  collision("limb", kLimbBit, kWorldBit | kLimbBit);
+  if (!detailed()) return;
+  Element ellipsoid = makeClass("facet_ellipsoid");
+  Element(ellipsoid, "geom")
+      .set("type", "ellipsoid")
+      .set("group", kFacetGroup)
+      .set("contype", 0)
+      .set("conaffinity", 0)
+      .set("mass", 0)
+      .set("rgba", {0.25, 0.45, 0.9, 0.5});
+  Element point = makeClass("facet_point");
+  Element(point, "geom")
+      .set("type", "sphere")
+      .set("size", 0.001)
+      .set("group", kFacetGroup)
+      .set("contype", 0)
+      .set("conaffinity", 0)
+      .set("mass", 0)
+      .set("rgba", {0.9, 0.15, 0.1, 1});
+  Element ligament = makeClass("ligament");
+  Element(ligament, "tendon")
+      .set("group", kLigamentGroup)
+      .set("width", 0.0009)
+      .set("margin", kLigamentMargin)
+      .set("rgba", {0.80, 0.72, 0.55, 1})
+      .set("solreflimit", kLimitSolref)
+      .set("solimplimit", kLimitSolimp);
+  Element(ligament, "site")
+      .set("group", kSiteGroup)
+      .set("size", 0.0012)
+      .set("rgba", {0.8, 0.6, 0.3, 1});
+  Element frames = makeClass("disc_frame");
+  Element(frames, "site")
+      .set("group", kSiteGroup)
+      .set("size", 0.002)
+      .set("rgba", {0.2, 0.8, 0.3, 1});
+}
+
+void Writer::writeAssets() {
+  Element asset(root_, "asset");
+  Element(asset, "material")
+      .set("name", named("bone"))
+      .set("rgba", {0.89, 0.85, 0.74, 1})
+      .set("specular", 0.25)
+      .set("shininess", 0.3);
+  Element(asset, "material")
+      .set("name", named("cartilage"))
+      .set("rgba", {0.73, 0.80, 0.83, 1})
+      .set("specular", 0.3)
+      .set("shininess", 0.4);
+  for (const std::string& body : mjcfBodies(a_, o_)) {
+    for (const BonePart& part : boneMesh(a_, body)) {
+      const std::string name = boneMeshName(body, part.tissue);
+      Element mesh(asset, "mesh");
+      mesh.set("name", named(name)).set("file", o_.mesh_dir + "/" + name + ".stl");
+      if (o_.mesh_scale != 1) mesh.set("scale", {o_.mesh_scale, o_.mesh_scale, o_.mesh_scale});
+    }
+  }
+  if (detailed()) {
+    Element(asset, "material")
+        .set("name", named("disc"))
+        .set("rgba", {0.42, 0.62, 0.80, 1})
+        .set("specular", 0.4)
+        .set("shininess", 0.5);
+    writeSkins(asset);
+  }
+}
+
+// The outside of each disc, bound half to half to its two bones.
+void Writer::writeSkins(XMLElement* asset) {
+  for (std::size_t i = 0; i < a_.discs.size(); i++) {
+    const Disc& disc = a_.discs[i];
+    const DiscMesh& mesh = discs_[i];
+    // Faces of tetrahedra that no other tetrahedron shares.
+    std::map<std::array<int, 3>, std::array<int, 3>> faces;
+    for (const auto& t : mesh.tets) {
+      const std::array<std::array<int, 3>, 4> sides = {
+          {{t[0], t[2], t[1]}, {t[0], t[1], t[3]}, {t[1], t[2], t[3]}, {t[0], t[3], t[2]}}};
+      for (const auto& f : sides) {
+        std::array<int, 3> key = f;
+        std::sort(key.begin(), key.end());
+        if (!faces.erase(key)) faces[key] = f;
+      }
+    }
+    std::map<int, int> index;  // of a surface node among the skin's vertices
+    for (const auto& [key, f] : faces) {
+      for (int node : f) index.emplace(node, 0);
+    }
+    std::string vertices, face_text, ids, lower_weights, upper_weights;
+    int count = 0;
+    for (auto& [node, id] : index) {
+      id = count++;
+      const Vector3d& X = mesh.rest_positions[node];
+      vertices += mjcfText(disc.frame * X) + " ";
+      ids += std::to_string(id) + " ";
+      const double half = 0.5 * (disc.shape.height_anterior + disc.shape.height_posterior) / 2 +
+                          X.x() * (disc.shape.height_anterior - disc.shape.height_posterior) /
+                              (2 * disc.shape.depth);
+      const double w = std::clamp(0.5 + 0.5 * X.z() / half, 0.0, 1.0);
+      upper_weights += mjcfNumber(w + 1e-4) + " ";
+      lower_weights += mjcfNumber(1 - w + 1e-4) + " ";
+    }
+    for (const auto& [key, f] : faces) {
+      for (int node : f) face_text += std::to_string(index[node]) + " ";
+    }
+    Element skin(asset, "skin");
+    skin.set("name", named(disc.name))
+        .set("material", named("disc"))
+        .set("group", kDiscGroup)
+        .set("vertex", vertices)
+        .set("face", face_text);
+    for (const auto& [level, weights] :
+         {std::pair{disc.lower, lower_weights}, {disc.upper, upper_weights}}) {
+      const std::string body = bodyOfLevel(a_, level);
+      Element(skin, "bone")
+          .set("body", named(body))
+          .set("bindpos", Vector3d(frame(body).translation()))
+          .set("bindquat", Quaterniond(frame(body).linear()))
+          .set("vertid", ids)
+          .set("vertweight", weights);
+    }
+  }
+}
+
+void Writer::writeInertial(XMLElement* element, const std::string& body) {
+  // Everything that is moulded into this body.
+  Inertial sum;
+  std::vector<Inertial> parts;
+  for (const std::string& part : mjcfBodies(a_, o_)) {
+    if (host(part) != body) continue;
+    parts.push_back(bodyInertial(a_, part));
+    const Inertial& p = parts.back();
+    sum.com = (sum.mass * sum.com + p.mass * p.com) / (sum.mass + p.mass);
+    sum.mass += p.mass;
+  }
+  for (const Inertial& p : parts) {
+    const Vector3d r = p.com - sum.com;
+    sum.inertia +=
+        p.inertia + p.mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
+  }
+  const Matrix3d R = frame(body).linear();
+  const Matrix3d I = R.transpose() * sum.inertia * R;
+  Element(element, "inertial")
+      .set("pos", local(body, sum.com))
+      .set("mass", sum.mass)
+      .set("fullinertia", {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)});
+}
+
+void Writer::writeBones(XMLElement* element, const std::string& body) {
+  for (const BonePart& part : boneMesh(a_, body)) {
+    const std::string name = boneMeshName(body, part.tissue);
+    Element geom(element, "geom");
+    geom.set("name", named(name)).set("class", named("bone")).set("mesh", named(name));
+    if (part.tissue == Tissue::kCartilage) geom.set("material", named("cartilage"));
+    const Isometry3d offset = frame(body).inverse() * bodyFrame(a_, body);
+    if (!offset.isApprox(Isometry3d::Identity())) {
+      geom.set("pos", Vector3d(offset.translation())).set("quat", Quaterniond(offset.linear()));
+    }
+  }
+  int count = 0;
+  for (const CollisionShape& shape : collisionShapes(a_, body)) {
+    const std::string name = body + "_collision" + std::to_string(count++);
+    Element geom(element, "geom");
+    geom.set("name", named(name)).set("class", named(shape.kind));
+    geom.set("type", "capsule").set("size", shape.radius);
+    geom.set("fromto", mjcfText(local(body, shape.from)) + " " + mjcfText(local(body, shape.to)));
+  }
+}
+
+XMLElement* Writer::writeBody(XMLElement* parent, const std::string& parent_name,
+                              const std::string& body) {
+  Element element(parent, "body");
+  element.set("name", named(body));
+  bodies_[body] = element;
+  const Isometry3d X = frame(body);
+  if (parent_name.empty()) {
+    element.set("pos", Vector3d(X.translation() + Vector3d(0, 0, o_.height)));
+    element.set("quat", Quaterniond(X.linear()));
+    Element(element, "freejoint").set("name", named(body));
+  } else {
+    const Isometry3d P = frame(parent_name).inverse() * X;
+    element.set("pos", Vector3d(P.translation())).set("quat", Quaterniond(P.linear()));
+    const auto [side, name] = splitSide(body);
+    for (const BallJoint& joint : a_.joints) {
+      if (joint.child != name) continue;
+      const std::string prefix = body.substr(0, body.size() - name.size());
+      Element ball(element, "joint");
+      ball.set("name", named(prefix + joint.name))
+          .set("type", "ball")
+          .set("stiffness", joint.stiffness)
+          .set("damping", joint.damping)
+          .set("armature", joint.armature);
+      // In degrees, MJCF's default, so that the file can be included in others.
+      if (joint.limit > 0) {
+        ball.set("range", {0, joint.limit * 180 / M_PI})
+            .set("solreflimit", kLimitSolref)
+            .set("solimplimit", kLimitSolimp);
+      }
+    }
+  }
+  writeInertial(element, body);
+  for (const std::string& part : mjcfBodies(a_, o_)) {
+    if (host(part) == body) writeBones(element, part);
+  }
+  for (const std::string& child : mjcfBodies(a_, o_)) {
+    if (host(child) != child) continue;
+    const auto [side, name] = splitSide(child);
+    for (const BallJoint& joint : a_.joints) {
+      if (joint.child != name) continue;
+      if (host(pairedName(a_, side, joint.parent)) == body) writeBody(element, body, child);
+    }
+  }
+  return element;
+}
+
+void Writer::writeBodies() {
+  Element world(root_, "worldbody");
+  for (const std::string& body : mjcfBodies(a_, o_)) {
+    const bool root = body == "pelvis" || body == "ribcage" ||
+                      (splitSide(body).first == Side::kMiddle && body != "head");
+    if (root && host(body) == body) writeBody(world, "", body);
+  }
+  Element(bodies_["pelvis"], "camera")
+      .set("name", named("front"))
+      .set("mode", "trackcom")
+      .set("pos", {2.6, 0, 0.35})
+      .set("xyaxes", {0, 1, 0, -0.1, 0, 1});
+  Element(bodies_["pelvis"], "camera")
+      .set("name", named("side"))
+      .set("mode", "trackcom")
+      .set("pos", {0, -2.6, 0.35})
+      .set("xyaxes", {1, 0, 0, 0, 0.1, 1});
+  Element(bodies_["pelvis"], "camera")
+      .set("name", named("back"))
+      .set("mode", "trackcom")
+      .set("pos", {-2.2, 0.9, 0.6})
+      .set("xyaxes", {-0.38, -0.93, 0, 0.15, -0.06, 1});
+}
+
+// A massless body, fixed to its bone, for the geoms of facets: they meet nothing but each other,
+// and here the broad phase of collision detection never looks at them.
+XMLElement* Writer::facetBody(const std::string& body) {
+  XMLElement*& element = facet_bodies_[body];
+  if (!element) {
+    element = Element(bodies_[body], "body").set("name", named(body + "_facets"));
+    Element(element, "inertial").set("pos", {0, 0, 0}).set("mass", 0).set("diaginertia", {0, 0, 0});
+  }
+  return element;
+}
+
+void Writer::writeSites() {
+  for (const Disc& disc : a_.discs) {
+    for (const auto& [level, suffix] : {std::pair{disc.lower, "_lower"}, {disc.upper, "_upper"}}) {
+      const std::string body = bodyOfLevel(a_, level);
+      Element(bodies_[body], "site")
+          .set("name", named(disc.name + suffix))
+          .set("class", named("disc_frame"))
+          .set("pos", local(body, disc.frame.translation()))
+          .set("quat", localRotation(body, disc.frame.linear()));
+    }
+  }
+  for (const Facet& facet : facets_) {
+    const Isometry3d X = frame(facet.ellipsoid_body).inverse() * facet.ellipsoid;
+    Element(facetBody(facet.ellipsoid_body), "geom")
+        .set("name", named(facet.name + "_ellipsoid"))
+        .set("class", named("facet_ellipsoid"))
+        .set("size", facet.radii)
+        .set("pos", Vector3d(X.translation()))
+        .set("quat", Quaterniond(X.linear()));
+    for (int i = 0; i < 4; i++) {
+      Element(facetBody(facet.points_body), "geom")
+          .set("name", named(facet.name + "_point" + std::to_string(i)))
+          .set("class", named("facet_point"))
+          .set("pos", local(facet.points_body, facet.points[i]));
+    }
+  }
+  for (const LigamentSegment& s : ligaments_) {
+    for (const auto& [level, point, suffix] :
+         {std::tuple{s.lower, s.lower_point, "_lower"}, {s.upper, s.upper_point, "_upper"}}) {
+      const std::string body = bodyOfLevel(a_, level);
+      Element(bodies_[body], "site")
+          .set("name", named(s.name + suffix))
+          .set("class", named("ligament"))
+          .set("pos", local(body, point));
+    }
+  }
+}
+
+void Writer::writeContacts() {
+  Element contact(root_, "contact");
+  // Neighbours that are not parent and child in the tree.
+  const auto exclude = [&](const std::string& one, const std::string& two) {
+    if (!bodies_.count(one) || !bodies_.count(two)) return;
+    Element(contact, "exclude").set("body1", named(one)).set("body2", named(two));
+  };
+  for (const char* side : {"left_", "right_"}) {
+    for (const char* part : {"clavicle", "ribcage"}) {
+      const std::string body = part == std::string("ribcage") ? part : std::string(side) + part;
+      exclude(std::string(side) + "upper_arm", body);
+    }
+    exclude(std::string(side) + "thigh", "L5");
+    exclude(std::string(side) + "thigh", "L4");
+  }
+  exclude("head", "ribcage");
+  for (const Facet& facet : facets_) {
+    for (int i = 0; i < 4; i++) {
+      Element(contact, "pair")
+          .set("geom1", named(facet.name + "_point" + std::to_string(i)))
+          .set("geom2", named(facet.name + "_ellipsoid"))
+          .set("condim", 1)
+          .set("margin", kFacetMargin)
+          .set("gap", kFacetMargin)
+          .set("solref", kLimitSolref)
+          .set("solimp", kLimitSolimp);
+    }
+  }
+}
+
+void Writer::writeTendons() {
+  Element tendons(root_, "tendon");
+  for (const LigamentSegment& s : ligaments_) {
+    Element spatial(tendons, "spatial");
+    spatial.set("name", named(s.name))
+        .set("class", named("ligament"))
+        .set("range", {0, s.max_length});
+    Element(spatial, "site").set("site", named(s.name + "_lower"));
+    Element(spatial, "site").set("site", named(s.name + "_upper"));
+  }
+}
+
+void Writer::writeEqualities() {
+  Element equality(root_, "equality");
+  const auto weld = [&](const std::string& name, const std::string& upper, const std::string& lower,
+                        const Vector3d& anchor) {
+    // The anchor is a point of body2. torquescale turns the rotational rows' metres into radians at
+    // about the distance of a disc's rim, so that stock MuJoCo bends as readily as it shears.
+    Element(equality, "weld")
+        .set("name", named(name))
+        .set("body1", named(upper))
+        .set("body2", named(lower))
+        .set("anchor", local(lower, anchor))
+        .set("torquescale", 0.1)
+        .set("solref", "0.004 1")
+        .set("solimp", "0.95 0.95 0.001");
+  };
+  for (const Disc& disc : a_.discs) {
+    weld(disc.name, bodyOfLevel(a_, disc.upper), bodyOfLevel(a_, disc.lower),
+         disc.frame.translation());
+  }
+  for (const std::string level : kBushingLevels) {
+    weld("ribcage_" + level, "ribcage", level, a_.vertebra(level).position);
+  }
+}
+
+void Writer::writeActuators() {
+  Element actuators(root_, "actuator");
+  const auto common = [&](Element& e, const std::string& name, const Servo& s, double lo,
+                          double hi) {
+    e.set("name", named(name))
+        .set("ctrlrange", {lo, hi})
+        .set("forcerange", {-s.force_limit, s.force_limit})
+        .set("gaintype", "fixed")
+        .set("gainprm", s.kp)
+        .set("biastype", "affine")
+        .set("biasprm", {0, -s.kp, -s.kv});
+  };
+  if (detailed()) {
+    for (const Disc& disc : a_.discs) {
+      if (disc.upper == a_.c2.name) continue;  // the head's ball joint has servos of its own
+      const RangeOfMotion& rom = a_.range_of_motion.at(disc.name);
+      const Region region = a_.vertebra(disc.upper).region;
+      const char* row = region == Region::kLumbar     ? "lumbar"
+                        : region == Region::kThoracic ? "thoracic"
+                                                      : "cervical";
+      for (const Servo& s : a_.servos) {
+        if (s.joint != row) continue;
+        const bool flexion = s.motion == "flexion";
+        const double hi = flexion                         ? rom.flexion
+                          : s.motion == "lateral_bending" ? rom.lateral_bending
+                                                          : rom.axial_rotation;
+        Element e(actuators, "general");
+        common(e, disc.name + "_" + s.motion, s, flexion ? -rom.extension : -hi, hi);
+        e.set("site", named(disc.name + "_upper"))
+            .set("refsite", named(disc.name + "_lower"))
+            .set("gear", {0, 0, 0, s.axis.x(), s.axis.y(), s.axis.z()});
+      }
+    }
+  }
+  for (const auto& [body, element] : bodies_) {
+    const auto [side, name] = splitSide(body);
+    const std::string prefix = body.substr(0, body.size() - name.size());
+    for (const BallJoint& joint : a_.joints) {
+      if (joint.child != name) continue;
+      for (const Servo& s : a_.servos) {
+        if (s.joint != joint.name) continue;
+        const Vector3d axis = side == Side::kRight ? mirrorAxis(s.axis) : s.axis;
+        Element e(actuators, "general");
+        common(e, prefix + joint.name + "_" + s.motion, s, s.min, s.max);
+        e.set("joint", named(prefix + joint.name)).set("gear", axis);
+      }
+    }
+  }
+}
+
+void Writer::writeSensors() {
+  Element sensors(root_, "sensor");
+  // user[0] says what the plugin writes: 0 force, 1 moment, 2 pressure of a disc; 3 ligament
+  // tensions, 4 facet forces of a level (mujoco_torso.h).
+  const auto user = [&](const std::string& name, const std::string& disc, int what, int dim) {
+    Element(sensors, "user")
+        .set("name", named(name))
+        .set("objtype", "tuple")
+        .set("objname", named("disc:" + disc))
+        .set("datatype", "real")
+        .set("needstage", "acc")
+        .set("dim", dim)
+        .set("user", what);
+  };
+  for (const Disc& disc : a_.discs) {
+    user(disc.name + "_force", disc.name, 0, 3);
+    user(disc.name + "_moment", disc.name, 1, 3);
+    user(disc.name + "_pressure", disc.name, 2, 1);
+    if (disc.upper == a_.c2.name) continue;
+    user(disc.name + "_ligament_tension", disc.name, 3, static_cast<int>(a_.ligaments.size()));
+    user(disc.name + "_facet_force", disc.name, 4, 2);
+  }
+}
+
+void Writer::writeCustom() {
+  Element custom(root_, "custom");
+  const auto numeric = [&](const std::string& name, std::initializer_list<double> values) {
+    Element(custom, "numeric").set("name", named(name)).set("data", values);
+  };
+  const auto element = [](XMLElement* tuple, const char* type, const std::string& name,
+                          double prm = 0) {
+    Element(tuple, "element").set("objtype", type).set("objname", name).set("prm", prm);
+  };
+  // Format, the plugin's own note, first entry of userdata.
+  numeric("mujoco_torso", {1, 0, 0});
+
+  // All discs of makeDiscMesh share one topology.
+  std::string topology = "tets";
+  for (const auto& t : discs_.front().tets) {
+    for (int node : t) topology += " " + std::to_string(node);
+  }
+  topology += " lower";
+  for (int node : discs_.front().lower_nodes) topology += " " + std::to_string(node);
+  topology += " upper";
+  for (int node : discs_.front().upper_nodes) topology += " " + std::to_string(node);
+  Element(custom, "text").set("name", named("disc_topology")).set("data", topology);
+
+  for (std::size_t i = 0; i < a_.discs.size(); i++) {
+    const Disc& disc = a_.discs[i];
+    std::string positions = "positions_mm";
+    for (const Vector3d& X : discs_[i].rest_positions) {
+      for (int k = 0; k < 3; k++) positions += fmt::format(" {:.4f}", X[k] * 1e3 + 0.0);
+    }
+    Element(custom, "text").set("name", named("disc:" + disc.name)).set("data", positions);
+    numeric("disc:" + disc.name,
+            {disc.material.youngs_modulus, disc.material.poissons_ratio, disc.retardation_time});
+    Element tuple(custom, "tuple");
+    tuple.set("name", named("disc:" + disc.name));
+    element(tuple, "site", named(disc.name + "_lower"));
+    element(tuple, "site", named(disc.name + "_upper"));
+    element(tuple, "equality", named(disc.name));
+    element(tuple, "numeric", named("disc:" + disc.name));
+    element(tuple, "text", named("disc:" + disc.name));
+    element(tuple, "text", named("disc_topology"));
+    element(tuple, "skin", named(disc.name));
+  }
+  numeric("bushing:ribcage", {kBushing[0], kBushing[1], kBushing[2], kBushing[3]});
+  for (const std::string level : kBushingLevels) {
+    const std::string name = "ribcage_" + level;
+    Element bushing(custom, "tuple");
+    bushing.set("name", named("bushing:" + name));
+    element(bushing, "equality", named(name));
+    element(bushing, "numeric", named("bushing:ribcage"));
+  }
+
+  for (const Facet& facet : facets_) {
+    Element tuple(custom, "tuple");
+    tuple.set("name", named("facet:" + facet.name));
+    element(tuple, "geom", named(facet.name + "_ellipsoid"), facet.band);
+    for (int i = 0; i < 4; i++) {
+      element(tuple, "geom", named(facet.name + "_point" + std::to_string(i)));
+    }
+  }
+  for (const Ligament& ligament : a_.ligaments) {
+    Element tuple(custom, "tuple");
+    tuple.set("name", named("ligament:" + ligament.name));
+    for (const LigamentSegment& s : ligaments_) {
+      if (s.ligament == ligament.name) element(tuple, "tendon", named(s.name));
+    }
+  }
+}
+
+}  // namespace
+
+std::string boneMeshName(const std::string& body, Tissue tissue) {
+  return tissue == Tissue::kCartilage ? body + "_cartilage" : body;
+}
+
+std::vector<std::string> mjcfBodies(const Anatomy& anatomy, const MjcfOptions& options) {
+  std::vector<std::string> bodies = {"pelvis"};
+  for (const Vertebra& v : anatomy.vertebrae) bodies.push_back(v.name);
+  bodies.push_back("ribcage");
+  bodies.push_back("head");
+  for (const char* side : {"left_", "right_"}) {
+    for (const char* part : {"clavicle", "scapula"}) bodies.push_back(std::string(side) + part);
+    if (!options.limbs) continue;
+    for (const char* part : {"upper_arm", "lower_arm", "hand", "thigh", "shin", "foot"}) {
+      bodies.push_back(std::string(side) + part);
+    }
+  }
+  return bodies;
+}
+
+void writeMjcf(const Anatomy& anatomy, const MjcfOptions& options,
+               tinyxml2::XMLDocument& document) {
+  MjcfOptions o = options;
+  if (o.height == 0) o.height = -anatomy.landmark("sole").z();
+  document.InsertEndChild(document.NewComment(
+      " Written by `torso build` from the anatomy tables; edit those, not this file. "));
+  tinyxml2::XMLElement* root = document.NewElement("mujoco");
+  document.InsertEndChild(root);
+  Writer(anatomy, o, root).write();
+}
+
+}  // namespace torso::tools

@@ -1,0 +1,43 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <tinyxml2.h>
+
+#include <string>
+#include <vector>
+
+#include "model/anatomy.h"
+#include "model/bone_mesh.h"
+
+namespace torso::tools {
+
+enum class TorsoKind {
+  kDetailed,  // free vertebrae, discs, ligaments, facets
+  kFixed,     // pelvis to neck one rigid body: for comparisons
+};
+
+struct MjcfOptions {
+  bool limbs = false;  // arms and legs too
+  bool scene = false;  // include scene.xml
+  TorsoKind kind = TorsoKind::kDetailed;
+  std::string prefix;               // put before every name
+  double mesh_scale = 1;            // of the bone meshes, which are made at the size of the tables
+  std::string mesh_dir = "assets";  // where they are, relative to the MJCF
+  double height = 0;  // of the S1 endplate above the ground; 0: feet on the ground [m]
+};
+
+// Name of the mesh of a body's bone or cartilage, and of its STL file: "L4", "ribcage_cartilage".
+std::string boneMeshName(const std::string& body, Tissue tissue);
+
+// Bodies that MjcfOptions asks for, in the order of the MJCF.
+std::vector<std::string> mjcfBodies(const Anatomy& anatomy, const MjcfOptions& options);
+
+// Writes the <mujoco> element of a torso or a whole body into an empty document.
+// Names (docs: README, "Names you may rely on"): bodies as in model/body.h; discs, facets and
+// ligaments as tuples "disc:L4/L5", "facet:L4/L5_left", "ligament:ALL_mid".
+void writeMjcf(const Anatomy& anatomy, const MjcfOptions& options, tinyxml2::XMLDocument& document);
+
+// Writes the floor, light and sky that human.xml includes.
+void writeScene(tinyxml2::XMLDocument& document);
+
+}  // namespace torso::tools
