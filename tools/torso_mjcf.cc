@@ -640,7 +640,9 @@ void Writer::writeCustom() {
     element(tuple, "text", named("disc_topology"));
     element(tuple, "skin", named(disc.name));
   }
-  numeric("bushing:ribcage", {kBushing[0], kBushing[1], kBushing[2], kBushing[3]});
+  const double force = a_.mass_scale, torque = force * a_.length_scale * a_.length_scale;
+  numeric("bushing:ribcage",
+          {force * kBushing[0], force * kBushing[1], torque * kBushing[2], torque * kBushing[3]});
   for (const std::string level : kBushingLevels) {
     const std::string name = "ribcage_" + level;
     Element bushing(custom, "tuple");
