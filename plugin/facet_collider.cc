@@ -34,6 +34,7 @@ FacetGap pointGap(const mjModel* m, const mjData* d, const FacetEntry& facet, in
 
 int collideFacet(const mjModel* m, const mjData* d, const FacetEntry& facet, mjContact* con,
                  int point_geom) {
+  constexpr double kNear = 0.03;
   const mjtNum* point = d->geom_xpos + 3 * point_geom;
   const FacetGap now = gapAt(m, d, facet, point_geom, point);
   const Eigen::Vector3d velocity = pointVelocity(m, d, m->geom_bodyid[point_geom], point) -
@@ -41,9 +42,12 @@ int collideFacet(const mjModel* m, const mjData* d, const FacetEntry& facet, mjC
   mjtNum ahead[3];
   mju_addScl3(ahead, point, velocity.data(), m->opt.timestep);
   const FacetGap then = gapAt(m, d, facet, point_geom, ahead);
-  // Forces change where the point will be: look at those that come near the edge, too.
-  const double approach = then.violation - now.violation;
-  if (now.violation <= 0 && then.violation + approach <= 0) return 0;
+  // Forces change where the point will be, so look at those that come near the edge, too: within
+  // two steps at this speed, or nearer than a share of the ellipsoid's size.
+  const double approach = std::max(then.violation - now.violation, 0.0);
+  const double near = kNear * mju_min(m->geom_size[3 * facet.ellipsoid_geom + 2],
+                                      m->geom_size[3 * facet.ellipsoid_geom]);
+  if (now.violation + 2 * approach + near <= 0) return 0;
   // The contact pushes geom1, the point, against the frame's first axis.
   con->dist = limitGap(-now.violation, -then.violation) - kFacetLookAhead;
   mju_copy3(con->pos, point);

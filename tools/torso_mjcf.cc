@@ -28,9 +28,10 @@ constexpr int kCollisionGroup = 3, kFacetGroup = 4, kSiteGroup = 4;
 // limbs and head also meet each other, the rib cage, the lumbar slices and the pelvis.
 constexpr int kWorldBit = 1, kLimbBit = 2;
 
-// Facet pairs: the margin passes them through the bounding-sphere filter at any excursion; the
-// equal gap makes stock MuJoCo act on penetration only.
-constexpr double kFacetMargin = 0.1;
+// Facet pairs: the margin passes them through the bounding-sphere filter at any excursion. The gap
+// is so much larger that stock MuJoCo, to which a point on an ellipsoid is a penetration in any
+// direction, never acts on them; the plugin reports distances below it (facet_collider.h).
+constexpr double kFacetMargin = 0.1, kFacetGap = 0.3;
 
 // Capsules, radiate ligaments and intercostal tissue between the rib cage and the spine: linear
 // bushings at T1, T4, T7 and T10. Assumed: soft beside the facets, enough to keep the cage from
@@ -474,12 +475,17 @@ void Writer::writeContacts() {
           .set("geom2", named(facet.name + "_ellipsoid"))
           .set("condim", 1)
           .set("margin", kFacetMargin)
-          .set("gap", kFacetMargin)
+          .set("gap", kFacetGap)
           .set("solref", kLimitSolref)
           .set("solimp", kLimitSolimp);
     }
   }
 }
+
+// Lower limit of a ligament's length, never met. With 0 MuJoCo would add constraint rows for
+// ligaments shorter than their margin, and draw slack ones as hanging strings of so many pieces
+// that the viewer has no room for the body.
+constexpr double kNoLowerLimit = -1;
 
 void Writer::writeTendons() {
   Element tendons(root_, "tendon");
@@ -487,7 +493,8 @@ void Writer::writeTendons() {
     Element spatial(tendons, "spatial");
     spatial.set("name", named(s.name))
         .set("class", named("ligament"))
-        .set("range", {0, s.max_length});
+        // A lower bound of 0 would make the viewer draw each as a sagging chain of 30 geoms.
+        .set("range", {-0.01, s.max_length});
     Element(spatial, "site").set("site", named(s.name + "_lower"));
     Element(spatial, "site").set("site", named(s.name + "_upper"));
   }
@@ -504,7 +511,7 @@ void Writer::writeEqualities() {
         .set("body1", named(upper))
         .set("body2", named(lower))
         .set("anchor", local(lower, anchor))
-        .set("torquescale", 0.1)
+        .set("torquescale", 0.3)
         .set("solref", "0.004 1")
         .set("solimp", "0.95 0.95 0.001");
   };
