@@ -245,4 +245,58 @@ double Anatomy::mass() const {
   return sum;
 }
 
+Anatomy Anatomy::scaled(double length, double mass) const {
+  if (!(length > 0 && mass > 0)) throw std::invalid_argument("anatomy: a scale must be positive");
+  Anatomy a = *this;
+  a.length_scale *= length;
+  a.mass_scale *= mass;
+  const double torque = mass * length * length;
+  const auto scaleVertebra = [&](Vertebra& v) {
+    for (double* x : {&v.upper_endplate_width, &v.upper_endplate_depth, &v.lower_endplate_width,
+                      &v.lower_endplate_depth, &v.body_height_anterior, &v.body_height_posterior,
+                      &v.canal_width, &v.canal_depth, &v.pedicle_width, &v.pedicle_height,
+                      &v.pedicle_length, &v.transverse_process_span, &v.spinous_tip_distance,
+                      &v.slice_half_width, &v.slice_half_depth}) {
+      *x *= length;
+    }
+    v.position *= length;
+    v.slice_com *= length;
+    v.slice_mass *= mass;
+  };
+  for (Vertebra& v : a.vertebrae) scaleVertebra(v);
+  scaleVertebra(a.c2);
+  for (Disc& d : a.discs) {
+    for (double* x :
+         {&d.shape.width, &d.shape.depth, &d.shape.height_anterior, &d.shape.height_posterior}) {
+      *x *= length;
+    }
+    d.material.youngs_modulus *= mass / length;
+    d.frame.translation() *= length;
+  }
+  for (ArticularFacet& f : a.facets) {
+    f.width *= length;
+    f.height *= length;
+    f.position *= length;
+  }
+  for (CostalJoint& j : a.costal_joints) j.position *= length;
+  for (auto& [name, position] : a.landmarks) position *= length;
+  for (Segment& s : a.segments) {
+    s.mass *= mass;
+    s.com *= length;
+    s.gyration *= length;
+  }
+  for (BallJoint& j : a.joints) {
+    j.position *= length;
+    j.stiffness *= torque;
+    j.damping *= torque;
+    j.armature *= torque;
+  }
+  for (Servo& s : a.servos) {
+    s.kp *= torque;
+    s.kv *= torque;
+    s.force_limit *= torque;
+  }
+  return a;
+}
+
 }  // namespace torso

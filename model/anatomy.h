@@ -127,6 +127,16 @@ struct Anatomy {
   double sacral_slope = 0;  // pitch of the S1 endplate [rad]
   double stature() const;   // head vertex to sole [m]
   double mass() const;      // [kg]
+
+  // Size and weight relative to the tables'. What the code adds to the tables (offsets, radii,
+  // stiffnesses that no table holds) is multiplied accordingly.
+  double length_scale = 1, mass_scale = 1;
+
+  // A body of the same shape with all lengths times `length` and all masses times `mass`, both > 0,
+  // that moves in the same time: inertias, and stiffness, damping, gain and force limit of joints
+  // and servos, go with mass * length^2, moduli of discs with mass / length (their linear stiffness
+  // with mass). Angles, times and Poisson's ratio stay.
+  Anatomy scaled(double length, double mass) const;
 };
 
 // y -> -y, for points; and for rotation axes, which turn the other way in a mirror.

@@ -26,14 +26,15 @@ Matrix3d pointInertia(double mass, const Vector3d& r) {
 
 // What the slice of one vertebra leaves to the rib cage. The vertebra's own share sits at its
 // body's centre (bone and the muscles behind it), so the rest is further forward than the slice.
-Inertial ribcageShare(const Vertebra& v) {
-  constexpr double kHalfWidth = 0.140, kHalfDepth = 0.100;  // of the thorax, vertebrae.csv
+Inertial ribcageShare(const Anatomy& a, const Vertebra& v) {
+  // Of the thorax, vertebrae.csv.
+  const double half_width = 0.140 * a.length_scale, half_depth = 0.100 * a.length_scale;
   Inertial share;
   share.mass = v.slice_mass * (1 - v.mass_fraction);
   share.com = v.frame() * (v.slice_com / (1 - v.mass_fraction));
   const Matrix3d R = v.frame().linear();
   share.inertia =
-      R * ellipticCylinder(share.mass, kHalfDepth, kHalfWidth, sliceHeight(v)) * R.transpose();
+      R * ellipticCylinder(share.mass, half_depth, half_width, sliceHeight(v)) * R.transpose();
   return share;
 }
 
@@ -41,13 +42,13 @@ Inertial ribcageInertial(const Anatomy& a) {
   Inertial sum;
   for (const Vertebra& v : a.vertebrae) {
     if (v.mass_fraction >= 1) continue;
-    const Inertial share = ribcageShare(v);
+    const Inertial share = ribcageShare(a, v);
     sum.com = (sum.mass * sum.com + share.mass * share.com) / (sum.mass + share.mass);
     sum.mass += share.mass;
   }
   for (const Vertebra& v : a.vertebrae) {
     if (v.mass_fraction >= 1) continue;
-    const Inertial share = ribcageShare(v);
+    const Inertial share = ribcageShare(a, v);
     sum.inertia += share.inertia + pointInertia(share.mass, share.com - sum.com);
   }
   return sum;

@@ -46,7 +46,7 @@ TriMesh scapulaMesh(const Anatomy& anatomy) {
   const Vector3d out = (gh - ts - pointMm(0, 0, -6)).normalized();
   const Vector3d glenoid = gh - kHeadRadius * out;
   const Vector3d up = (Vector3d::UnitZ() - out.z() * out).normalized();
-  const Vector3d back = out.cross(up).normalized();  // dorsal side of the blade
+  const Vector3d back = up.cross(out).normalized();  // dorsal side of the blade
 
   TriMesh mesh;
   TubeStyle style;
@@ -78,7 +78,7 @@ TriMesh scapulaMesh(const Anatomy& anatomy) {
       const double s = j / (kColumns - 1.0);
       // Bent around the thorax; the superior border dips before the coracoid.
       const double bend = 4 * s * (1 - s);
-      grid[i][j] = (1 - s) * a + s * b + bend * (i > 0 ? 0.045 : 0) * (b - a).norm() * back;
+      grid[i][j] = (1 - s) * a + s * b + bend * (i > 0 ? 0.05 : 0) * (b - a).norm() * back;
       if (t > 4) grid[i][j] -= (t - 4) * 9_mm * bend * up;
       thickness[i][j] = 3.0_mm + 1.5_mm * (s < 0.05) + 5.5_mm * std::max(0.0, (s - 0.7) / 0.3);
     }

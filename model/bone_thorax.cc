@@ -24,7 +24,7 @@ constexpr RibCourse kCourse[kRibs] = {
     {24, 113, -68, 115, 68, 286}, {28, 123, -76, 119, 77, 256},  {32, 130, -81, 121, 87, 228},
     {35, 134, -84, 121, 96, 204}, {34, 135, -85, 117, 106, 182}, {30, 133, -84, 109, 114, 163},
     {24, 127, -80, 99, 117, 146}, {16, 119, -73, 90, 116, 142},  {4, 107, -64, 80, 92, 140}};
-constexpr double kBackPower = 2.7, kFrontPower = 2.25;
+constexpr double kBackPower = 2.95, kFrontPower = 2.25;
 
 // Where a rib's cartilage meets the sternum [mm]; ribs 8 to 10 end on the cartilage above.
 constexpr double kSternalEnd[kTrueRibs][2] = {  // y, z

@@ -168,10 +168,17 @@ FacetGap facetGap(const Vector3d& point, const Vector3d& radii, double band, con
 }
 
 std::vector<Facet> makeFacets(const Anatomy& anatomy) {
+  const double scale = anatomy.length_scale;
+  const Anatomy table_size = anatomy.scaled(1 / scale, 1);  // the size that the constants are for
   std::vector<Facet> facets;
-  addZygapophyseal(anatomy, facets);
-  addCostal(anatomy, facets);
-  addScapulothoracic(anatomy, facets);
+  addZygapophyseal(table_size, facets);
+  addCostal(table_size, facets);
+  addScapulothoracic(table_size, facets);
+  for (Facet& f : facets) {
+    f.ellipsoid.translation() *= scale;
+    f.radii *= scale;
+    for (Vector3d& p : f.points) p *= scale;
+  }
   return facets;
 }
 

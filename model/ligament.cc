@@ -129,7 +129,9 @@ std::pair<Vector3d, Vector3d> capsule(const Anatomy& a, const Disc& disc, bool d
 
 }  // namespace
 
-std::vector<LigamentSegment> makeLigaments(const Anatomy& a) {
+std::vector<LigamentSegment> makeLigaments(const Anatomy& anatomy) {
+  const double scale = anatomy.length_scale;
+  const Anatomy a = anatomy.scaled(1 / scale, 1);  // the size that the constants are for
   std::vector<LigamentSegment> segments;
   for (const Disc& disc : a.discs) {
     if (disc.upper == a.c2.name) continue;
@@ -151,6 +153,8 @@ std::vector<LigamentSegment> makeLigaments(const Anatomy& a) {
         s.lower_point = mirror(s.lower_point);
         s.upper_point = mirror(s.upper_point);
       }
+      s.lower_point *= scale;
+      s.upper_point *= scale;
       s.max_length = ligament.max_length_ratio * (s.upper_point - s.lower_point).norm();
       segments.push_back(s);
     }

@@ -110,16 +110,18 @@ Shapes leftOrMiddle(const Anatomy& a, const std::string& name) {
 }  // namespace
 
 Shapes collisionShapes(const Anatomy& anatomy, const std::string& body) {
-  for (const Vertebra& v : anatomy.vertebrae) {
-    if (v.name == body) return vertebra(v);
-  }
+  const double scale = anatomy.length_scale;
+  const Anatomy table_size = anatomy.scaled(1 / scale, 1);  // the size that the constants are for
   const auto [side, name] = splitSide(body);
-  Shapes shapes = leftOrMiddle(anatomy, name);
-  if (side == Side::kRight) {
-    for (CollisionShape& s : shapes) {
-      s.from = mirror(s.from);
-      s.to = mirror(s.to);
-    }
+  Shapes shapes;
+  for (const Vertebra& v : table_size.vertebrae) {
+    if (v.name == body) shapes = vertebra(v);
+  }
+  if (shapes.empty()) shapes = leftOrMiddle(table_size, name);
+  for (CollisionShape& s : shapes) {
+    s.from = scale * (side == Side::kRight ? mirror(s.from) : s.from);
+    s.to = scale * (side == Side::kRight ? mirror(s.to) : s.to);
+    s.radius *= scale;
   }
   return shapes;
 }

@@ -215,8 +215,8 @@ void Writer::writeAssets() {
       .set("specular", 0.3)
       .set("shininess", 0.4);
   for (const std::string& body : mjcfBodies(a_, o_)) {
-    for (const BonePart& part : boneMesh(a_, body)) {
-      const std::string name = boneMeshName(body, part.tissue);
+    for (const Tissue tissue : boneTissues(a_, body)) {
+      const std::string name = boneMeshName(body, tissue);
       Element mesh(asset, "mesh");
       mesh.set("name", named(name)).set("file", o_.mesh_dir + "/" + name + ".stl");
       if (o_.mesh_scale != 1) mesh.set("scale", {o_.mesh_scale, o_.mesh_scale, o_.mesh_scale});
@@ -313,11 +313,11 @@ void Writer::writeInertial(XMLElement* element, const std::string& body) {
 }
 
 void Writer::writeBones(XMLElement* element, const std::string& body) {
-  for (const BonePart& part : boneMesh(a_, body)) {
-    const std::string name = boneMeshName(body, part.tissue);
+  for (const Tissue tissue : boneTissues(a_, body)) {
+    const std::string name = boneMeshName(body, tissue);
     Element geom(element, "geom");
     geom.set("name", named(name)).set("class", named("bone")).set("mesh", named(name));
-    if (part.tissue == Tissue::kCartilage) geom.set("material", named("cartilage"));
+    if (tissue == Tissue::kCartilage) geom.set("material", named("cartilage"));
     const Isometry3d offset = frame(body).inverse() * bodyFrame(a_, body);
     if (!offset.isApprox(Isometry3d::Identity())) {
       geom.set("pos", Vector3d(offset.translation())).set("quat", Quaterniond(offset.linear()));
@@ -640,7 +640,9 @@ void Writer::writeCustom() {
     element(tuple, "text", named("disc_topology"));
     element(tuple, "skin", named(disc.name));
   }
-  numeric("bushing:ribcage", {kBushing[0], kBushing[1], kBushing[2], kBushing[3]});
+  const double force = a_.mass_scale, torque = force * a_.length_scale * a_.length_scale;
+  numeric("bushing:ribcage",
+          {force * kBushing[0], force * kBushing[1], torque * kBushing[2], torque * kBushing[3]});
   for (const std::string level : kBushingLevels) {
     const std::string name = "ribcage_" + level;
     Element bushing(custom, "tuple");

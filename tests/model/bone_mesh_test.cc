@@ -206,9 +206,18 @@ TEST(BoneMesh, IsLight) {
   EXPECT_LE(total, 60000u);
 }
 
+TEST(BoneMesh, TissuesAreThoseOfTheParts) {
+  for (const std::string& body : bodies()) {
+    std::vector<Tissue> tissues;
+    for (const BonePart& part : parts(body)) tissues.push_back(part.tissue);
+    EXPECT_EQ(boneTissues(anatomy(), body), tissues) << body;
+  }
+}
+
 TEST(BoneMesh, UnknownNameIsRefused) {
   for (const char* name : {"", "L6", "C2", "clavicle", "left_", "left_tail", "middle_hand"}) {
     EXPECT_THROW(boneMesh(anatomy(), name), std::invalid_argument) << name;
+    EXPECT_THROW(boneTissues(anatomy(), name), std::invalid_argument) << name;
   }
 }
 
@@ -360,7 +369,7 @@ TEST(BoneMesh, ScapulaGlidesOnTheRibs) {
   for (const Vector3d& v : scapula.vertices) {
     nearest = std::min(nearest, distanceToVertices(ribs, v));
   }
-  EXPECT_GT(nearest, 4 * kMm);   // muscles in between
+  EXPECT_GT(nearest, 7 * kMm);   // muscles in between
   EXPECT_LT(nearest, 15 * kMm);  // and it does not stand off
 }
 

@@ -1,0 +1,86 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tools/commands.h"
+#include "tools/graft.h"
+#include "tools/paths.h"
+
+namespace torso::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json describe(const GraftReport& report, const GraftOptions& options) {
+  Json changes = Json::array();
+  for (const GraftChange& c : report.changes) {
+    changes.push_back(
+        {{"action", c.action}, {"kind", c.kind}, {"name", c.name}, {"detail", c.detail}});
+  }
+  return {{"input", options.input},
+          {"output", options.dry_run ? Json() : Json(options.output)},
+          {"parts", report.parts},
+          {"length_scale", report.length_scale},
+          {"mass_scale", report.mass_scale},
+          {"mass_before_kg", report.mass_before},
+          {"mass_after_kg", report.mass_after},
+          {"hip_to_shoulder_before_m", report.hip_to_shoulder_before},
+          {"hip_to_shoulder_after_m", report.hip_to_shoulder_after},
+          {"limb_joints", report.limb_joints},
+          {"changes", changes}};
+}
+
+void print(const GraftReport& report) {
+  for (const std::string& part : report.parts) fmt::print(stderr, "{}\n", part);
+  for (const GraftChange& c : report.changes) {
+    fmt::print(stderr, "{:<9}{:<9} {}: {}\n", c.action, c.kind, c.name, c.detail);
+  }
+  fmt::print(stderr,
+             "torso: {:.3f} x the length and {:.3f} x the mass of the tables'\n"
+             "mass {:.3f} kg (was {:.3f}), hip to shoulder {:.3f} m (was {:.3f}), {} limb joints "
+             "kept\n",
+             report.length_scale, report.mass_scale, report.mass_after, report.mass_before,
+             report.hip_to_shoulder_after, report.hip_to_shoulder_before, report.limb_joints);
+}
+
+}  // namespace
+
+void addGraft(CLI::App& app) {
+  struct Command {
+    GraftOptions graft;
+    std::string anatomy;
+    bool json = false;
+  };
+  auto options = std::make_shared<Command>();
+  CLI::App* command =
+      app.add_subcommand("graft", "Put the torso into an MJCF humanoid, in place of its own.");
+  command->footer(
+      "Keeps legs, arms, assets, defaults, actuators, sensors, cameras and lights; replaces all\n"
+      "between thighs, upper arms and the top of the head. The report on stderr names every\n"
+      "element that is not as it was. Bone meshes go to torso_assets/ beside the output.\n\n"
+      "Examples:\n"
+      "  torso graft /usr/share/mujoco/model/humanoid/humanoid.xml -o humanoid_torso.xml\n"
+      "  torso graft humanoid.xml -o out.xml --dry-run --json | jq .changes");
+  command->add_option("HUMANOID", options->graft.input, "MJCF file")->required();
+  command->add_option("-o,--output", options->graft.output, "MJCF file to write")->required();
+  command->add_option("--prefix", options->graft.prefix, "Put before every name of the torso");
+  command->add_option("--anatomy", options->anatomy, "Folder of the anatomy tables");
+  command->add_flag("--dry-run", options->graft.dry_run, "Report, but write nothing");
+  command->add_flag("--json", options->json, "Print the report as JSON on stdout");
+  command->callback([options] {
+    if (options->anatomy.empty()) options->anatomy = anatomyFolder();
+    const GraftReport report = graft(Anatomy::load(options->anatomy), options->graft);
+    if (options->json) {
+      std::cout << describe(report, options->graft).dump(2) << '\n';
+    } else {
+      print(report);
+      if (!options->graft.dry_run) fmt::print("{}\n", options->graft.output);
+    }
+  });
+}
+
+}  // namespace torso::tools

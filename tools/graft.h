@@ -1,0 +1,41 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/anatomy.h"
+
+namespace torso::tools {
+
+struct GraftOptions {
+  std::string input, output;  // MJCF files
+  std::string prefix;         // put before every name of the torso
+  bool dry_run = false;       // do all but write
+};
+
+// One element of the humanoid or of our torso that is not as it was.
+struct GraftChange {
+  std::string action;  // "removed", "replaced", "moved", "changed", "renamed", "added"
+  std::string kind;    // "body", "actuator", ..., or the section of the MJCF
+  std::string name;
+  std::string detail;
+};
+
+struct GraftReport {
+  std::vector<std::string> parts;   // what was recognised, and by what
+  double length_scale, mass_scale;  // of our torso, relative to the anatomy tables
+  std::vector<GraftChange> changes;
+  double mass_before, mass_after;                        // whole model [kg]
+  double hip_to_shoulder_before, hip_to_shoulder_after;  // mid hip to mid shoulder [m]
+  int limb_joints;                                       // joints of arms and legs, kept in order
+};
+
+// Replaces the trunk of an MJCF humanoid (all between thighs, upper arms and the top of the head)
+// by the torso of `anatomy`, scaled so that hips and shoulders stay where they are in the sagittal
+// plane and the mass of what is removed is kept. Writes options.output and, beside it, the bone
+// meshes in torso_assets/, after MuJoCo has loaded the result and it has passed the checks (mass,
+// hip-shoulder distance, limb joints, torso data). Throws Error, and then nothing is written.
+GraftReport graft(const Anatomy& anatomy, const GraftOptions& options);
+
+}  // namespace torso::tools
