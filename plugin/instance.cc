@@ -344,9 +344,12 @@ Instance::Instance(const mjModel* m) {
   // Ligament segments and facets by level.
   levels.resize(discs.size());
   for (std::size_t i = 0; i < discs.size(); i++) {
-    const int lower = discs[i].lower_body, upper = discs[i].upper_body;
+    // A bone is all that is fixed to it: the geoms of facets are on bodies of their own, and a
+    // pelvis may be fixed to the world.
+    const auto bone = [&](int body) { return m->body_weldid[body]; };
+    const int lower = bone(discs[i].lower_body), upper = bone(discs[i].upper_body);
     const auto between = [&](int a, int b) {
-      return (a == lower && b == upper) || (a == upper && b == lower);
+      return (bone(a) == lower && bone(b) == upper) || (bone(a) == upper && bone(b) == lower);
     };
     for (const Ligament& ligament : ligaments) {
       for (int tendon : ligament.tendons) {
@@ -357,8 +360,8 @@ Instance::Instance(const mjModel* m) {
       }
     }
     for (std::size_t f = 0; f < facets.size(); f++) {
-      const auto bone = [&](int geom) { return m->body_weldid[m->geom_bodyid[geom]]; };
-      if (between(bone(facets[f].ellipsoid_geom), bone(facets[f].point_geoms[0]))) {
+      if (between(m->geom_bodyid[facets[f].ellipsoid_geom],
+                  m->geom_bodyid[facets[f].point_geoms[0]])) {
         levels[i].facets.push_back(static_cast<int>(f));
       }
     }

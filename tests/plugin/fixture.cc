@@ -49,21 +49,31 @@ std::string PluginTest::takeWarnings() {
 
 std::string modelPath(const std::string& file) { return TORSO_MJCF_DIR "/" + file; }
 
+std::string withoutMeshes(const std::string& text) {
+  std::istringstream stream(text);
+  std::string out, line;
+  while (std::getline(stream, line)) {
+    const bool asset = line.find("<mesh ") != std::string::npos;
+    const bool geom =
+        line.find("<geom ") != std::string::npos && line.find(" mesh=") != std::string::npos;
+    if (!asset && !geom) out += line + "\n";
+  }
+  return out;
+}
+
 std::string modelText(const std::string& file) {
   std::ifstream stream(modelPath(file));
   if (!stream) throw std::runtime_error(modelPath(file) + " cannot be read");
-  std::string text, line;
-  while (std::getline(stream, line)) {
-    if (line.find("<mesh ") != std::string::npos) continue;
-    if (line.find("<geom ") != std::string::npos && line.find("mesh=") != std::string::npos) {
-      continue;
-    }
-    if (line.find("<include file=\"scene.xml\"/>") != std::string::npos) {
-      line = modelText("scene.xml");  // includes are relative to the file, which will be elsewhere
-      line = line.substr(line.find('>', line.find("<mujoco")) + 1);
-      line.erase(line.find("</mujoco>"));
-    }
-    text += line + "\n";
+  std::ostringstream buffer;
+  buffer << stream.rdbuf();
+  std::string text = withoutMeshes(buffer.str());
+  // Includes are relative to the file, which will be elsewhere.
+  const std::string include = "<include file=\"scene.xml\"/>";
+  if (text.find(include) != std::string::npos) {
+    std::string scene = modelText("scene.xml");
+    scene.erase(0, scene.find('>', scene.find("<mujoco")) + 1);
+    scene.erase(scene.find("</mujoco>"));
+    replaceOnce(&text, include, scene);
   }
   return text;
 }

@@ -34,6 +34,9 @@ class PluginTest : public ::testing::Test {
 // which changes nothing in the dynamics and makes loading fast.
 std::string modelText(const std::string& file);
 
+// MJCF text without its bone meshes. One element per line, as `torso build` writes.
+std::string withoutMeshes(const std::string& text);
+
 // Replaces the first occurrence of `from`, which must exist.
 void replaceOnce(std::string* text, const std::string& from, const std::string& to);
 // The torso of `text` with its pelvis fixed to the world.
