@@ -138,6 +138,7 @@ class Grafter {
   void adaptContactBits();
   void renameClashes();
   void hangLimbs();
+  XMLElement* firstStatefulActuator() const;
   void merge();
   void mergeSettings();
   void placeFiles(XMLElement* root, const fs::path& folder) const;
@@ -396,10 +397,14 @@ void Grafter::removeTrunk() {
   for (const auto& [body, part] : parts_.trunk) {
     note("replaced", "body", host_.bodyName(body),
          fmt::format("{:.3f} kg, by '{}'", m->body_mass[body], ours(replacement(body))));
+    if (body == parts_.root && m->body_jntnum[body] == 0) {
+      note("changed", "body", host_.bodyName(body),
+           "was fixed to the world; '" + ours("pelvis") + "' is free");
+    }
     for (int j = m->body_jntadr[body]; j >= 0 && j < m->body_jntadr[body] + m->body_jntnum[body];
          j++) {
       std::string by = "by the joints of the spine";
-      if (m->jnt_type[j] == mjJNT_FREE) {
+      if (body == parts_.root) {
         by = "by the free joint '" + ours("pelvis") + "'";
       } else if (m->jnt_type[j] == mjJNT_HINGE) {
         const mjtNum* a = host_.data->xaxis + 3 * j;
@@ -721,6 +726,19 @@ void Grafter::mergeSettings() {
   }
 }
 
+// MuJoCo wants actuators without activation, as ours, before those with.
+XMLElement* Grafter::firstStatefulActuator() const {
+  const mjModel* m = host_.model.get();
+  XMLElement* first = nullptr;
+  forEachSection(host_.root, "actuator", [&](XMLElement* s) {
+    for (XMLElement* e = s->FirstChildElement(); e && !first; e = e->NextSiblingElement()) {
+      const int id = mj_name2id(m, mjOBJ_ACTUATOR, text(e, "name").c_str());
+      if (id >= 0 && m->actuator_dyntype[id] != mjDYN_NONE) first = e;
+    }
+  });
+  return first;
+}
+
 void Grafter::merge() {
   XMLElement* root = host_.root;
   for (XMLElement* s = torso_root_->FirstChildElement(); s; s = s->NextSiblingElement()) {
@@ -735,15 +753,27 @@ void Grafter::merge() {
       continue;
     }
     XMLElement* into = section(root, tag.c_str());
+    XMLNode* last = into->LastChild();
+    if (XMLElement* stateful = tag == "actuator" ? firstStatefulActuator() : nullptr) {
+      into = stateful->Parent()->ToElement();
+      last = stateful->PreviousSibling();
+    }
     for (XMLElement* e = s->FirstChildElement(); e; e = e->NextSiblingElement()) {
-      into->InsertEndChild(e->DeepClone(&host_.document));
+      XMLNode* clone = e->DeepClone(&host_.document);
+      last = last ? into->InsertAfterChild(last, clone) : into->InsertFirstChild(clone);
     }
   }
-  host_.document.InsertFirstChild(host_.document.NewComment(
+  XMLNode* comment = host_.document.NewComment(
       fmt::format(" Made by `torso graft` from {}: the torso of mujoco-torso in the place of its "
                   "trunk. ",
                   fs::path(o_.input).filename().string())
-          .c_str()));
+          .c_str());
+  XMLNode* first = host_.document.FirstChild();
+  if (first->ToDeclaration()) {
+    host_.document.InsertAfterChild(first, comment);
+  } else {
+    host_.document.InsertFirstChild(comment);
+  }
 }
 
 // File names relative to the folder that the MJCF will be in.
