@@ -109,6 +109,20 @@ class Instance {
   std::vector<std::vector<std::pair<int, int>>> columns;  // (ndisc) opposite nodes: lower, upper
   StateLayout state;
   int scratch_entries = 0;  // mjtNum on mjData's stack that one evaluation needs
+
+ private:
+  void readHeaders(const mjModel* m);
+  // id: of the tuple, name: of the entry. meshes: gets the disc's mesh and material.
+  void addDisc(const mjModel* m, int id, const std::string& name,
+               std::vector<DiscBatch::Disc>& meshes);
+  void addBushing(const mjModel* m, int id);
+  void addFacet(const mjModel* m, int id, const std::string& name);
+  void addLigament(const mjModel* m, int id, const std::string& name);
+  void boundWelds(const mjModel* m);
+  void findLevels(const mjModel* m);
+  void findSensors(const mjModel* m);
+  void findColumns();
+  void layOutState(const mjModel* m);
 };
 
 // True if the model has a numeric called (prefix)mujoco_torso.
