@@ -39,9 +39,9 @@ void addWrench(const mjModel* m, const mjData* d, int body, const Vector3d& forc
   }
 }
 
-// Stiffest gains of the servos between a disc's bones, as they are now: none while actuation is
-// off. A servo at its force limit keeps them: without, it would chatter between its limits on the
-// light vertebrae.
+// Stiffest gains of the servos between a disc's bones, as they are now; none while actuation is
+// off. kp: the actuator's own; kv: bias parameter 3, which MuJoCo leaves to us (see writeActuators
+// in tools/torso_mjcf.cc).
 void servoGains(const mjModel* m, const WeldEntry& weld, double* kp, double* kv) {
   *kp = *kv = 0;
   if (m->opt.disableflags & mjDSBL_ACTUATION) return;
@@ -51,7 +51,7 @@ void servoGains(const mjModel* m, const WeldEntry& weld, double* kp, double* kv)
     const mjtNum* gear = m->actuator_gear + 6 * i + 3;
     const double gear2 = gear[0] * gear[0] + gear[1] * gear[1] + gear[2] * gear[2];
     *kp = std::max(*kp, -bias[1] * gear2);
-    *kv = std::max(*kv, -bias[2] * gear2);
+    *kv = std::max(*kv, -bias[3] * gear2);
   }
 }
 
@@ -169,11 +169,11 @@ void applyDiscs(const mjModel* m, mjData* d, const Instance& instance) {
 }
 
 // The row's force should be that of a linearly implicit step,
-//   f = -k x - (h (k + bound + kp) + c) v' - kv (v' - v),
-// with v' the velocity at the end of the step: spring and damper of the bushing, the first-order
-// change over the step of the forces that act beside the row (finite elements: bound, servos: kp,
-// kv). MuJoCo solves f = -D (J a - aref), aref = -B J v - K I pos. With W = h (k + bound + kp) + c
-// + kv that is D = h W, B = (W - kv) / (h W), K I = k / (h W). A weld's rotational rows hold s =
+//   f = -k x - W v',  W = h (k + bound + kp) + c + kv,
+// with v' the velocity at the end of the step: spring and damper of the bushing, damping of the
+// servos, and the first-order change over the step of the forces that act beside the row (finite
+// elements: bound, servos: kp). MuJoCo solves f = -D (J a - aref), aref = -B J v - K I pos, which
+// is this force with D = h W, B = 1 / h, K I = k / (h W). A weld's rotational rows hold s =
 // torquescale / 2 times the relative angular velocity, and as position the vector part of a
 // quaternion, half the angle.
 void rewriteWelds(const mjModel* m, mjData* d, const Instance& instance) {
@@ -200,7 +200,7 @@ void rewriteWelds(const mjModel* m, mjData* d, const Instance& instance) {
       d->efc_R[row] = std::max(s * s / (h * W), mjMINVAL);
       d->efc_D[row] = 1 / d->efc_R[row];
       d->efc_KBIP[4 * row] = spring * s / (half * h * W);
-      d->efc_KBIP[4 * row + 1] = (W - (rotation ? kv : 0)) / (h * W);
+      d->efc_KBIP[4 * row + 1] = 1 / h;
       d->efc_KBIP[4 * row + 2] = 1;
     }
   }

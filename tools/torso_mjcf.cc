@@ -494,7 +494,7 @@ void Writer::writeTendons() {
     spatial.set("name", named(s.name))
         .set("class", named("ligament"))
         // A lower bound of 0 would make the viewer draw each as a sagging chain of 30 geoms.
-        .set("range", {-0.01, s.max_length});
+        .set("range", {-s.max_length, s.max_length});
     Element(spatial, "site").set("site", named(s.name + "_lower"));
     Element(spatial, "site").set("site", named(s.name + "_upper"));
   }
@@ -524,6 +524,10 @@ void Writer::writeEqualities() {
   }
 }
 
+// The velocity gain of a spinal servo stands in bias parameter 3, which MuJoCo does not use: the
+// plugin adds it to the implicit rows of the disc's weld. As an explicit force, or as the
+// derivative that the implicit integrator would take of it beside the constraints, it would upset
+// the light vertebrae.
 void Writer::writeActuators() {
   Element actuators(root_, "actuator");
   const auto common = [&](Element& e, const std::string& name, const Servo& s, double lo,
@@ -534,7 +538,7 @@ void Writer::writeActuators() {
         .set("gaintype", "fixed")
         .set("gainprm", s.kp)
         .set("biastype", "affine")
-        .set("biasprm", {0, -s.kp, -s.kv});
+        .set("biasprm", {0, -s.kp, 0, -s.kv});
   };
   if (detailed()) {
     for (const Disc& disc : a_.discs) {
