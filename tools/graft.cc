@@ -132,12 +132,14 @@ class Grafter {
   void removeTrunk();
   void dropReferences();
   bool dropReferences(XMLElement* list, const std::string& kind_of_section);
-  void dropKeyframes();
+  void takeKeyframes();
+  void writeKeyframes(const mjModel* m);
   void writeTorso();
   void adaptTorso();
   void adaptContactBits();
   void renameClashes();
   void hangLimbs();
+  XMLElement* firstStatefulActuator() const;
   void merge();
   void mergeSettings();
   void placeFiles(XMLElement* root, const fs::path& folder) const;
@@ -148,6 +150,8 @@ class Grafter {
   void write();
 
   std::string ours(const std::string& name) const { return o_.prefix + name; }
+  // Name that our body has in the result.
+  std::string bodyName(const std::string& body) const;
   // Our body in the place of a removed one.
   std::string replacement(int body) const;
   std::string replacement(const std::string& body) const;
@@ -167,6 +171,7 @@ class Grafter {
   XMLElement* world_ = nullptr;
   std::array<XMLElement*, 4> limbs_{};                        // thighs, upper arms; left, right
   std::vector<std::pair<XMLElement*, std::string>> carried_;  // camera, light or site; our body
+  XMLElement* keyframes_ = nullptr;
   std::set<MjcfName> removed_;
   std::set<std::pair<std::string, std::string>> excluded_;
   GraftReport report_{};
@@ -220,6 +225,15 @@ void Grafter::checkSettings() {
       }
     });
   }
+}
+
+std::string Grafter::bodyName(const std::string& body) const {
+  std::string name = ours(body);
+  while (mj_name2id(host_.model.get(), mjOBJ_BODY, name.c_str()) > 0 &&
+         !removed_.count({"body", name})) {
+    name = "torso_" + name;  // as renameClashes does
+  }
+  return name;
 }
 
 std::string Grafter::replacement(int body) const {
@@ -396,10 +410,14 @@ void Grafter::removeTrunk() {
   for (const auto& [body, part] : parts_.trunk) {
     note("replaced", "body", host_.bodyName(body),
          fmt::format("{:.3f} kg, by '{}'", m->body_mass[body], ours(replacement(body))));
+    if (body == parts_.root && m->body_jntnum[body] == 0) {
+      note("changed", "body", host_.bodyName(body),
+           "was fixed to the world; '" + ours("pelvis") + "' is free");
+    }
     for (int j = m->body_jntadr[body]; j >= 0 && j < m->body_jntadr[body] + m->body_jntnum[body];
          j++) {
       std::string by = "by the joints of the spine";
-      if (m->jnt_type[j] == mjJNT_FREE) {
+      if (body == parts_.root) {
         by = "by the free joint '" + ours("pelvis") + "'";
       } else if (m->jnt_type[j] == mjJNT_HINGE) {
         const mjtNum* a = host_.data->xaxis + 3 * j;
@@ -445,7 +463,7 @@ bool Grafter::dropReferences(XMLElement* list, const std::string& tag) {
       if (defines || !removed_.count({kind, name})) return;
       const std::string attribute = a;
       if (kind == "body" && (attribute == "target" || tag == "sensor" || tag == "custom")) {
-        const std::string by = ours(replacement(name));
+        const std::string by = bodyName(replacement(name));
         r->SetAttribute(a, by.c_str());
         const bool subtree = std::string(e->Value()).rfind("subtree", 0) == 0;
         note("changed", tag == "worldbody" ? e->Value() : tag, nameOrTag(e),
@@ -489,13 +507,98 @@ void Grafter::dropReferences() {
   }
 }
 
-void Grafter::dropKeyframes() {
+// Their numbers wait until MuJoCo has laid out the new coordinates.
+void Grafter::takeKeyframes() {
+  keyframes_ = Element(host_.root, "keyframe");
   forEachSection(host_.root, "keyframe", [&](XMLElement* s) {
-    for (XMLElement* e = s->FirstChildElement("key"); e; e = e->NextSiblingElement("key")) {
-      note("removed", "key", nameOrTag(e), "the number of coordinates has changed");
-    }
-    host_.root->DeleteChild(s);
+    while (s != keyframes_ && s->FirstChild()) keyframes_->InsertEndChild(s->FirstChild());
+    if (s != keyframes_) host_.root->DeleteChild(s);
   });
+  for (XMLElement* e = keyframes_->FirstChildElement(); e; e = e->NextSiblingElement()) {
+    for (const char* attribute : {"qpos", "qvel", "act", "ctrl"}) e->DeleteAttribute(attribute);
+    note("changed", "key", nameOrTag(e),
+         "limbs as they were; the torso in its shape at rest, moving with the pelvis; controls of "
+         "actuators without a name are 0");
+  }
+  if (keyframes_->NoChildren()) {
+    host_.root->DeleteChild(keyframes_);
+    keyframes_ = nullptr;
+  }
+}
+
+void Grafter::writeKeyframes(const mjModel* m) {
+  if (!keyframes_) return;
+  const mjModel* h = host_.model.get();
+  const DataPtr d = makeData(h);
+  const auto pelvis = std::find_if(parts_.trunk.begin(), parts_.trunk.end(), [&](const auto& p) {
+    return p.second == TrunkPart::kPelvis && host_.isBelow(parts_.thigh[0], p.first);
+  });
+  // A single rigid trunk is pelvis and chest.
+  const int root = pelvis == parts_.trunk.end() ? parts_.root : pelvis->first;
+  const auto theirs = [&](mjtObj type, const char* kind, int id) {
+    const char* name = mj_id2name(m, type, id);
+    return !name || removed_.count({kind, name}) ? -1 : mj_name2id(h, type, name);
+  };
+  const auto join = [](const std::vector<double>& values) {
+    std::string joined;
+    for (double x : values) joined += (joined.empty() ? "" : " ") + mjcfNumber(x);
+    return joined;
+  };
+  const int coordinates[] = {7, 4, 1, 1}, speeds[] = {6, 3, 1, 1};  // by joint type
+  XMLElement* e = keyframes_->FirstChildElement("key");
+  for (int k = 0; k < h->nkey && e; k++, e = e->NextSiblingElement("key")) {
+    mju_copy(d->qpos, h->key_qpos + k * h->nq, h->nq);
+    mju_copy(d->qvel, h->key_qvel + k * h->nv, h->nv);
+    mj_fwdPosition(h, d.get());
+    mj_fwdVelocity(h, d.get());
+    const mjtNum *p = d->xpos + 3 * root, *q = d->xquat + 4 * root;
+    const Isometry3d move =
+        isometry({q[0], q[1], q[2], q[3]}, {p[0], p[1], p[2]}) * host_.pose(root).inverse();
+    mjtNum velocity[6];  // of the pelvis, at its origin, axes of the world
+    mj_objectVelocity(h, d.get(), mjOBJ_XBODY, root, velocity, 0);
+    const Vector3d angular(velocity[0], velocity[1], velocity[2]);
+    const Vector3d linear(velocity[3], velocity[4], velocity[5]);
+
+    std::vector<double> qpos(m->qpos0, m->qpos0 + m->nq), qvel(m->nv, 0), ctrl(m->nu, 0),
+        act(m->na, 0);
+    for (int j = 0; j < m->njnt; j++) {
+      const int type = m->jnt_type[j], to = m->jnt_qposadr[j], dof = m->jnt_dofadr[j];
+      int from = theirs(mjOBJ_JOINT, "joint", j);
+      const int body = m->jnt_bodyid[j], body_from = theirs(mjOBJ_BODY, "body", body);
+      if (from < 0 && body_from > 0) {  // a joint without a name
+        from = h->body_jntadr[body_from] + j - m->body_jntadr[body];
+      }
+      if (from >= 0) {
+        std::copy_n(h->key_qpos + k * h->nq + h->jnt_qposadr[from], coordinates[type], &qpos[to]);
+        std::copy_n(h->key_qvel + k * h->nv + h->jnt_dofadr[from], speeds[type], &qvel[dof]);
+      } else if (type == mjJNT_FREE) {
+        const Isometry3d X =
+            move * isometry({qpos[to + 3], qpos[to + 4], qpos[to + 5], qpos[to + 6]},
+                            {qpos[to], qpos[to + 1], qpos[to + 2]});
+        const Quaterniond rotation(X.linear());
+        const Vector3d v = linear + angular.cross(X.translation() - Vector3d(p[0], p[1], p[2]));
+        const Vector3d w = X.linear().transpose() * angular;
+        const double pose[7] = {X.translation().x(), X.translation().y(), X.translation().z(),
+                                rotation.w(),        rotation.x(),        rotation.y(),
+                                rotation.z()};
+        std::copy_n(pose, 7, &qpos[to]);
+        std::copy_n(v.data(), 3, &qvel[dof]);
+        std::copy_n(w.data(), 3, &qvel[dof + 3]);
+      }
+    }
+    for (int u = 0; u < m->nu; u++) {
+      const int from = theirs(mjOBJ_ACTUATOR, "actuator", u);
+      if (from < 0) continue;  // ours, or without a name
+      ctrl[u] = h->key_ctrl[k * h->nu + from];
+      // Activations are those of the last na actuators.
+      const int a = u - (m->nu - m->na), a_from = from - (h->nu - h->na);
+      if (a >= 0 && a_from >= 0) act[a] = h->key_act[k * h->na + a_from];
+    }
+    e->SetAttribute("qpos", join(qpos).c_str());
+    e->SetAttribute("qvel", join(qvel).c_str());
+    e->SetAttribute("ctrl", join(ctrl).c_str());
+    if (m->na) e->SetAttribute("act", join(act).c_str());
+  }
 }
 
 // ---- our torso ----
@@ -685,6 +788,9 @@ void Grafter::mergeSettings() {
   if (host_.model->opt.timestep > step) change("option", "timestep", text(option, "timestep"));
   change("option", "solver", text(option, "solver"));
   change("option", "jacobian", text(option, "jacobian"));
+  // The plugin's rows are unknown to noslip; facets are contact pairs.
+  if (host_.model->opt.noslip_iterations > 0) change("option", "noslip_iterations", "0");
+  if (host_.model->opt.collision == mjCOL_DYNAMIC) change("option", "collision", "all");
 
   XMLElement* size = torso_root_->FirstChildElement("size");
   for (const auto* a = size->FirstAttribute(); a; a = a->Next()) {
@@ -721,6 +827,19 @@ void Grafter::mergeSettings() {
   }
 }
 
+// MuJoCo wants actuators without activation, as ours, before those with.
+XMLElement* Grafter::firstStatefulActuator() const {
+  const mjModel* m = host_.model.get();
+  XMLElement* first = nullptr;
+  forEachSection(host_.root, "actuator", [&](XMLElement* s) {
+    for (XMLElement* e = s->FirstChildElement(); e && !first; e = e->NextSiblingElement()) {
+      const int id = mj_name2id(m, mjOBJ_ACTUATOR, text(e, "name").c_str());
+      if (id >= 0 && m->actuator_dyntype[id] != mjDYN_NONE) first = e;
+    }
+  });
+  return first;
+}
+
 void Grafter::merge() {
   XMLElement* root = host_.root;
   for (XMLElement* s = torso_root_->FirstChildElement(); s; s = s->NextSiblingElement()) {
@@ -735,15 +854,27 @@ void Grafter::merge() {
       continue;
     }
     XMLElement* into = section(root, tag.c_str());
+    XMLNode* last = into->LastChild();
+    if (XMLElement* stateful = tag == "actuator" ? firstStatefulActuator() : nullptr) {
+      into = stateful->Parent()->ToElement();
+      last = stateful->PreviousSibling();
+    }
     for (XMLElement* e = s->FirstChildElement(); e; e = e->NextSiblingElement()) {
-      into->InsertEndChild(e->DeepClone(&host_.document));
+      XMLNode* clone = e->DeepClone(&host_.document);
+      last = last ? into->InsertAfterChild(last, clone) : into->InsertFirstChild(clone);
     }
   }
-  host_.document.InsertFirstChild(host_.document.NewComment(
+  XMLNode* comment = host_.document.NewComment(
       fmt::format(" Made by `torso graft` from {}: the torso of mujoco-torso in the place of its "
                   "trunk. ",
                   fs::path(o_.input).filename().string())
-          .c_str()));
+          .c_str());
+  XMLNode* first = host_.document.FirstChild();
+  if (first->ToDeclaration()) {
+    host_.document.InsertAfterChild(first, comment);
+  } else {
+    host_.document.InsertFirstChild(comment);
+  }
 }
 
 // File names relative to the folder that the MJCF will be in.
@@ -838,6 +969,7 @@ void writeResult(const XMLDocument& document, const std::string& path,
   fs::path folder = fs::absolute(path).parent_path();
   place(placed.RootElement(), folder);
   if (!fs::is_directory(folder)) throw Error(path + ": cannot write: no such folder");
+  if (fs::is_directory(path)) throw Error(path + ": cannot write: this is a folder");
   makeFolder((folder / kAssets).string());
   for (const auto& [name, content] : meshes) writeFile((folder / kAssets / name).string(), content);
   tinyxml2::XMLPrinter printer;
@@ -913,7 +1045,7 @@ GraftReport Grafter::run() {
   takeCarried();
   removeTrunk();
   dropReferences();
-  dropKeyframes();
+  takeKeyframes();
   writeTorso();
   mergeSettings();
   hangLimbs();
@@ -922,10 +1054,10 @@ GraftReport Grafter::run() {
     const std::string arm = host_.bodyName(parts_.upper_arm[k]);
     const std::string thigh = host_.bodyName(parts_.thigh[k]);
     const char* why = "neighbours at a joint";
-    exclude(arm, ours("ribcage"), why);
-    exclude(arm, ours(std::string(kSides[k]) + "clavicle"), why);
-    exclude(thigh, ours("L5"), why);
-    exclude(thigh, ours("L4"), why);
+    exclude(arm, bodyName("ribcage"), why);
+    exclude(arm, bodyName(std::string(kSides[k]) + "clavicle"), why);
+    exclude(thigh, bodyName("L5"), why);
+    exclude(thigh, bodyName("L4"), why);
   }
 
   std::vector<std::pair<std::string, std::string>> meshes;
@@ -948,6 +1080,11 @@ GraftReport Grafter::run() {
       fail(std::string("the grafted model does not load: ") + e.what());
     }
     excludeOverlaps(m.get());
+    writeKeyframes(m.get());
+  }
+  if (keyframes_) {
+    writeResult(host_.document, staged, place, meshes);
+    m = loadModel(staged);
   }
   check(m.get());
   if (!o_.dry_run) writeResult(host_.document, o_.output, place, meshes);
