@@ -26,22 +26,35 @@ FacetGap gapAt(const mjModel* m, const mjData* d, const FacetEntry& facet, int p
   return gap;
 }
 
+// Gaps of the point where it is, and where its present velocity takes it in a step.
+struct Path {
+  FacetGap now, then;
+};
+Path pathOf(const mjModel* m, const mjData* d, const FacetEntry& facet, int point_geom) {
+  const mjtNum* point = d->geom_xpos + 3 * point_geom;
+  const Eigen::Vector3d velocity = pointVelocity(m, d, m->geom_bodyid[point_geom], point) -
+                                   pointVelocity(m, d, m->geom_bodyid[facet.ellipsoid_geom], point);
+  mjtNum ahead[3];
+  mju_addScl3(ahead, point, velocity.data(), m->opt.timestep);
+  return {gapAt(m, d, facet, point_geom, point), gapAt(m, d, facet, point_geom, ahead)};
+}
+
 }  // namespace
 
 FacetGap pointGap(const mjModel* m, const mjData* d, const FacetEntry& facet, int point_geom) {
   return gapAt(m, d, facet, point_geom, d->geom_xpos + 3 * point_geom);
 }
 
+double facetLimitGap(const mjModel* m, const mjData* d, const FacetEntry& facet, int point_geom) {
+  const Path path = pathOf(m, d, facet, point_geom);
+  return limitGap(-path.now.violation, -path.then.violation);
+}
+
 int collideFacet(const mjModel* m, const mjData* d, const FacetEntry& facet, mjContact* con,
                  int point_geom) {
   constexpr double kNear = 0.03;
   const mjtNum* point = d->geom_xpos + 3 * point_geom;
-  const FacetGap now = gapAt(m, d, facet, point_geom, point);
-  const Eigen::Vector3d velocity = pointVelocity(m, d, m->geom_bodyid[point_geom], point) -
-                                   pointVelocity(m, d, m->geom_bodyid[facet.ellipsoid_geom], point);
-  mjtNum ahead[3];
-  mju_addScl3(ahead, point, velocity.data(), m->opt.timestep);
-  const FacetGap then = gapAt(m, d, facet, point_geom, ahead);
+  const auto [now, then] = pathOf(m, d, facet, point_geom);
   // Forces change where the point will be, so look at those that come near the edge, too: within
   // two steps at this speed, or nearer than a share of the ellipsoid's size.
   const double approach = std::max(then.violation - now.violation, 0.0);

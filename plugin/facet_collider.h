@@ -15,9 +15,13 @@ FacetGap pointGap(const mjModel* m, const mjData* d, const FacetEntry& facet, in
 // one if the point is beyond the band or would, at its present speed, leave it within two steps:
 // the constraint then acts in the step in which the band would be left, not after it. Its normal is
 // that of the place where the point is going. contact.dist is the law's gap (limit.h) less
-// kFacetLookAhead, which makes MuJoCo include the contact; rewriteLimits adds it again.
+// kFacetLookAhead, which makes MuJoCo include the contact.
 int collideFacet(const mjModel* m, const mjData* d, const FacetEntry& facet, mjContact* con,
                  int point_geom);
+
+// The law's gap of a point [m] at the velocities as they are now. MuJoCo's finite differences
+// change them without detecting collisions again, so contact.dist may be out of date.
+double facetLimitGap(const mjModel* m, const mjData* d, const FacetEntry& facet, int point_geom);
 
 inline constexpr double kFacetLookAhead = 1;  // [m], more than any gap
 

@@ -34,7 +34,8 @@ struct StateLayout {
   int adr = 0;        // first entry of userdata
   int time = 0;       // mjData.time of the last evaluation
   int valid = 1;      // 1 after the first evaluation, 0 in fresh or reset data
-  int committed = 2;  // (disc state) shape at the last evaluation before that time
+  int poses = 2;      // fingerprint of the discs' poses at the last evaluation
+  int committed = 3;  // (disc state) shape at the last evaluation before that time
   int pending = 0;    // (disc state) shape at that evaluation
   int result = 0;     // (ndisc x kResult) force, moment, point, pressure
   int size = 0;       // entries in all

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <new>
 
 #include "plugin/facet_collider.h"
@@ -62,6 +63,24 @@ double lengthAhead(const mjModel* m, const mjData* d, int tendon) {
   const Vector3d velocity = pointVelocity(m, d, m->site_bodyid[sites[1]], b) -
                             pointVelocity(m, d, m->site_bodyid[sites[0]], a);
   return (Vector3d(b[0] - a[0], b[1] - a[1], b[2] - a[2]) + m->opt.timestep * velocity).norm();
+}
+
+// Fingerprint of the discs' poses that a double holds exactly.
+double poseKey(const DiscPose* poses, int n) {
+  std::uint64_t hash = 14695981039346656037ull;
+  const auto add = [&hash](const double* x, int count) {
+    for (int i = 0; i < count; i++) {
+      std::uint64_t bits;
+      std::memcpy(&bits, x + i, sizeof bits);
+      hash = (hash ^ bits) * 1099511628211ull;
+      hash ^= hash >> 32;
+    }
+  };
+  for (int i = 0; i < n; i++) {
+    add(poses[i].position.data(), 3);
+    add(poses[i].rotation.coeffs().data(), 4);
+  }
+  return static_cast<double>(hash >> 11);
 }
 
 // Adds a value to column `dof` of three neighbouring rows of the constraint Jacobian that have the
@@ -131,10 +150,6 @@ void applyDiscs(const mjModel* m, mjData* d, const Instance& instance) {
   const StateLayout& layout = instance.state;
   mjtNum* state = d->userdata + layout.adr;
   const int nd = instance.batch->size(), n = instance.batch->stateSize();
-  if (state[layout.valid] != 0 && state[layout.time] != d->time) {
-    mju_copy(state + layout.committed, state + layout.pending, n);
-  }
-
   const int mark = d->pstack;
   auto address = reinterpret_cast<std::uintptr_t>(mj_stackAlloc(d, instance.scratch_entries));
   address = (address + 63) & ~std::uintptr_t{63};
@@ -146,6 +161,10 @@ void applyDiscs(const mjModel* m, mjData* d, const Instance& instance) {
   for (int i = 0; i < nd; i++) {
     new (poses + i) DiscPose(placeDisc(d, instance.discs[i]).relative);
     new (wrenches + i) DiscWrench();
+  }
+  const double key = poseKey(poses, nd);
+  if (state[layout.valid] != 0 && state[layout.time] != d->time && state[layout.poses] != key) {
+    mju_copy(state + layout.committed, state + layout.pending, n);
   }
   instance.batch->evaluate(poses, state + layout.committed, state + layout.pending, wrenches,
                            reinterpret_cast<void*>(address), DiscBatch::Options());
@@ -165,6 +184,7 @@ void applyDiscs(const mjModel* m, mjData* d, const Instance& instance) {
   }
   d->pstack = mark;
   state[layout.time] = d->time;
+  state[layout.poses] = key;
   state[layout.valid] = 1;
 }
 
@@ -219,7 +239,7 @@ void rewriteLimits(const mjModel* m, mjData* d, const Instance& instance) {
       const mjContact& con = d->contact[id];
       const int facet = instance.facet_of_geom[con.geom2];
       if (facet < 0 || facet != instance.facet_of_geom[con.geom1]) continue;
-      d->efc_pos[row] = con.dist + kFacetLookAhead;
+      d->efc_pos[row] = facetLimitGap(m, d, instance.facets[facet], con.geom1);
     } else {
       continue;
     }

@@ -15,8 +15,9 @@ struct DiscPlacement {
 DiscPlacement placeDisc(const mjData* d, const DiscEntry& disc);
 
 // Adds the elastic forces of all discs to qfrc_passive and leaves shapes and wrenches in userdata.
-// Starts from the shapes at the last evaluation of an earlier time, so that repeated calls at one
-// time give the same bits.
+// Starts from the shapes at the last evaluation of an earlier time and another pose, so that
+// repeated calls at one time give the same bits, and so do the velocity steps of MuJoCo's finite
+// differences, which let time run on.
 void applyDiscs(const mjModel* m, mjData* d, const Instance& instance);
 
 // Rewrites the constraint rows of the welds (between mj_makeConstraint and mj_referenceConstraint).

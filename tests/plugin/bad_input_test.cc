@@ -310,7 +310,7 @@ TEST_F(BadInputTest, IndexOutOfRange) {
   EXPECT_EQ(torso_facetId(m.get(), nullptr), -1);
   EXPECT_EQ(lastError(), "no facet is called '(null)'");
   char small[8];
-  EXPECT_EQ(torso_lastError(small, sizeof small), 29) << "the length of the whole message";
+  EXPECT_EQ(torso_lastError(small, sizeof small), static_cast<int>(lastError().size()));
   EXPECT_STREQ(small, "no face");
 }
 
