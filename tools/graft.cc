@@ -451,7 +451,6 @@ bool Grafter::dropReferences(XMLElement* list, const std::string& tag) {
   for (XMLElement* e = list->FirstChildElement(); e;) {
     XMLElement* next = e->NextSiblingElement();
     std::string missing;
-    std::vector<std::pair<XMLElement*, std::string>> remapped;
     XMLElement* holder = Element(host_.root, tag.c_str());
     XMLNode* previous = e->PreviousSibling();
     holder->InsertEndChild(e);
@@ -498,7 +497,7 @@ void Grafter::dropReferences() {
   for (bool again = true; again;) {
     again = false;
     for (const char* tag :
-         {"worldbody", "contact", "equality", "tendon", "actuator", "sensor", "custom"}) {
+         {"worldbody", "asset", "contact", "equality", "tendon", "actuator", "sensor", "custom"}) {
       forEachSection(host_.root, tag, [&](XMLElement* s) { again |= dropReferences(s, tag); });
     }
   }
