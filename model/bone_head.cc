@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/bone_parts.h"
+#include "model/fuse.h"
 
 namespace torso {
 namespace {
@@ -70,13 +71,17 @@ class Head {
   }
 
   TriMesh build() {
-    append(mesh_, cranium());
-    zygomaticArch();
-    mandible();
-    teeth();
-    atlas();
-    axis();
-    return mesh_;
+    TriMesh skull = cranium(), jaw = mandible();
+    append(skull, cheeks());
+    append(skull, alveolarRidge(kUpper));
+    append(jaw, alveolarRidge(kLower));
+    TriMesh mesh = fuse(skull, {1.7_mm, 5_mm, 3000, 2, true});
+    append(mesh, fuse(jaw, {1.4_mm, 4_mm, 700, 2, true}));
+    append(mesh, crowns(kUpper));
+    append(mesh, crowns(kLower));
+    append(mesh, fuse(atlas(), {1.1_mm, 2.5_mm, 600, 2, true}));
+    append(mesh, fuse(axis(), {1.2_mm, 3_mm, 1000, 0, true}));
+    return mesh;
   }
 
  private:
@@ -99,7 +104,7 @@ class Head {
       return r * 1e-3;
     };
     // Denser towards the face, in front.
-    constexpr int kLongitudes = 60, kLatitudes = 31;
+    constexpr int kLongitudes = 130, kLatitudes = 80;
     std::vector<double> longitudes, latitudes;
     for (int i = 0; i < kLongitudes; i++) {
       const double u = 2 * EIGEN_PI * i / kLongitudes;
@@ -121,15 +126,14 @@ class Head {
   }
 
   // Cheek bone with the arch to the ear, and the rim of the orbit.
-  void zygomaticArch() {
+  TriMesh cheeks() const {
+    TriMesh mesh;
     TubeStyle style;
-    style.sides = 8;
-    style.steps = 1;
-    appendPair(mesh_, tube({section(4, 60, 2, 3, 4), section(14, 65, 1, 2.6, 4),
-                            section(28, 67.5, -2, 2.2, 4.2), section(42, 65.5, -5, 2.3, 4.8),
-                            section(56, 60, -8, 3.2, 6.5), section(68, 52, -11, 4.5, 9),
-                            section(78, 40, -13, 5, 9), section(84, 28, -14, 4, 7)},
-                           style));
+    appendPair(mesh, tube({section(4, 60, 2, 3, 4), section(14, 65, 1, 2.6, 4),
+                           section(28, 67.5, -2, 2.2, 4.2), section(42, 65.5, -5, 2.3, 4.8),
+                           section(56, 60, -8, 3.2, 6.5), section(68, 52, -11, 4.5, 9),
+                           section(78, 40, -13, 5, 9), section(84, 28, -14, 4, 7)},
+                          style));
     std::vector<Section> rim;
     constexpr int kPoints = 14;
     for (int k = 0; k <= kPoints; k++) {
@@ -142,8 +146,12 @@ class Head {
       rim.push_back(section(88 - 0.32 * y - 0.006 * y * y + 0.10 * z, 32 + y, 8 + z, girth, girth));
     }
     style.up = Vector3d::UnitX();
-    style.sides = 8;
-    appendPair(mesh_, tube(rim, style));
+    appendPair(mesh, tube(rim, style));
+    // Occipital condyles, on C1.
+    const Matrix3d tilt = Eigen::AngleAxisd(-0.15, Vector3d::UnitX()).toRotationMatrix();
+    appendPair(mesh,
+               ellipsoid(anatomy_.c2.position + pointMm(1, 17, 29), pointMm(11, 6, 5.5), tilt));
+    return mesh;
   }
 
   // Arch of half width `width` and length `length` behind its foremost point; an ellipse [mm].
@@ -157,10 +165,9 @@ class Head {
     }
   };
 
-  void mandible() {
+  TriMesh mandible() const {
+    TriMesh mesh;
     TubeStyle style;
-    style.sides = 10;
-    style.steps = 1;
     style.squareness = 2.4;
     // Body: a horseshoe with the chin in front.
     std::vector<Section> body = {section(20, 47, -62, 4, 9),      section(28, 46, -69, 5, 11.5),
@@ -172,8 +179,8 @@ class Head {
       body.push_back(body[i]);
       body.back().centre.y() = -body[i].centre.y();
     }
-    append(mesh_, tube(body, style));
-    append(mesh_, ellipsoid(at(88, 0, -92), pointMm(8, 14, 7), Matrix3d::Identity(), 12));
+    append(mesh, tube(body, style));
+    append(mesh, ellipsoid(at(88, 0, -92), pointMm(8, 14, 7), Matrix3d::Identity(), 12));
     // Ramus, a plate up to the joint and the coronoid process.
     const std::vector<std::vector<Vector3d>> ramus = {
         {at(20, 47, -71), at(28, 46.5, -76), at(37, 44.5, -76), at(46, 42, -74)},
@@ -186,87 +193,94 @@ class Head {
                                                         {6_mm, 5_mm, 5_mm, 5.5_mm},
                                                         {6_mm, 4.5_mm, 4_mm, 4.5_mm},
                                                         {5_mm, 4.5_mm, 3_mm, 3_mm}};
-    appendPair(mesh_, plate(ramus, thickness));
-    appendPair(mesh_, ellipsoid(at(10, 52, -7), pointMm(4.5, 9, 5), Matrix3d::Identity(), 10));
+    appendPair(mesh, plate(ramus, thickness));
+    appendPair(mesh, ellipsoid(at(10, 52, -7), pointMm(4.5, 9, 5), Matrix3d::Identity(), 10));
+    return mesh;
   }
 
-  // Two rows of crowns, and the ridges of the jaws that they stand in.
-  void teeth() {
-    TubeStyle style;
-    for (bool upper : {true, false}) {
-      const Arch arch = upper ? Arch{93, 28.5, 46} : Arch{90.5, 27, 46};
-      const double sign = upper ? 1 : -1, bite = -60;
-      std::vector<Section> ridge;
-      for (int k = -4; k <= 4; k++) {
-        ridge.push_back(
-            {ear_ + 1e-3 * arch.point(k * 1.35 / 4, bite + sign * 14) - pointMm(2.5, 0, 0), 4.6_mm,
-             7.5_mm});
-      }
-      style = TubeStyle();
-      style.sides = 8;
-      style.steps = 1;
-      style.squareness = 2.3;
-      append(mesh_, tube(ridge, style));
-      style.sides = 4;
-      style.squareness = 2;
-      style.cap = 0.25;
-      double angle = 0;
-      for (int i = 0; i < 7; i++) {
-        const double size = i < 2 ? (upper ? 7.6 : 5.6) : i < 3 ? 7.2 : i < 5 ? 6.8 : 9.5;
-        angle += 0.5 * size / arch.speed(angle);
-        const Vector3d crown = ear_ + 1e-3 * arch.point(angle, bite + sign * 0.8);
-        const Vector3d root = ear_ + 1e-3 * arch.point(angle, bite + sign * 9);
-        style.up = Vector3d(-arch.length * std::sin(angle), arch.width * std::cos(angle), 0);
-        const double thick = i < 3 ? 2.6e-3 : 4.2e-3, along = 0.66e-3 * size;
-        appendPair(mesh_, tube({{root, 1.3 * thick, 0.85 * along},
-                                {crown, (i < 3 ? 0.7 : 1.3) * thick, along}},
-                               style));
-        angle += 0.5 * size / arch.speed(angle);
-      }
+  struct Jaw {
+    Arch arch;
+    double sign;      // of the way from the bite to the root
+    double sizes[7];  // of the crowns along the arch, from the mid-line
+  };
+  static constexpr double kBite = -60;  // height at which the rows meet
+  static constexpr Jaw kUpper = {{93, 28.5, 46}, 1, {7.6, 6.8, 7.2, 6.8, 6.8, 9.5, 9.5}};
+  static constexpr Jaw kLower = {{90.5, 27, 46}, -1, {5.6, 5.8, 7, 6.8, 6.8, 10, 9.5}};
+
+  // Bone that the teeth stand in.
+  TriMesh alveolarRidge(const Jaw& jaw) const {
+    std::vector<Section> ridge;
+    for (int k = -4; k <= 4; k++) {
+      ridge.push_back(
+          {ear_ + 1e-3 * jaw.arch.point(k * 1.35 / 4, kBite + jaw.sign * 15) - pointMm(2.5, 0, 0),
+           4.6_mm, 8_mm});
     }
+    TubeStyle style;
+    style.squareness = 2.3;
+    return tube(ridge, style);
+  }
+
+  TriMesh crowns(const Jaw& jaw) const {
+    TriMesh mesh;
+    TubeStyle style;
+    style.sides = 4;
+    style.steps = 1;
+    style.cap = 0.25;
+    double angle = 0;
+    for (int i = 0; i < 7; i++) {
+      const double half = 0.5 * jaw.sizes[i];
+      angle += half / jaw.arch.speed(angle);
+      const Vector3d crown = ear_ + 1e-3 * jaw.arch.point(angle, kBite + jaw.sign * 0.8);
+      const Vector3d root = ear_ + 1e-3 * jaw.arch.point(angle, kBite + jaw.sign * 10);
+      style.up = Vector3d(-jaw.arch.length * std::sin(angle), jaw.arch.width * std::cos(angle), 0);
+      // Incisors have an edge, molars a face.
+      const bool incisor = i < 3;
+      const double thick = incisor ? 2.6_mm : 4.2_mm, along = 1.32e-3 * half;
+      appendPair(mesh, tube({{root, 1.3 * thick, 0.85 * along},
+                             {crown, (incisor ? 0.7 : 1.3) * thick, along}},
+                            style));
+      angle += half / jaw.arch.speed(angle);
+    }
+    return mesh;
   }
 
   // C1: a ring between the condyles of the skull and C2. From C2's body centre [mm].
-  void atlas() {
+  TriMesh atlas() const {
+    TriMesh mesh;
     const Vector3d c2 = anatomy_.c2.position;
     const auto c = [&](double x, double y, double z, double side, double up) {
       return Section{c2 + pointMm(x, y, z), side * 1e-3, up * 1e-3, Vector3d::Zero()};
     };
     TubeStyle style;
-    style.sides = 10;
-    style.steps = 2;
     const Matrix3d tilt = Eigen::AngleAxisd(0.15, Vector3d::UnitX()).toRotationMatrix();
-    appendPair(mesh_, ellipsoid(c2 + pointMm(0, 19, 18), pointMm(10, 7.5, 6.5), tilt, 12, 2.5));
-    append(mesh_, tube({c(4, -18, 18, 4, 5), c(12, -9, 18.5, 3, 4.5), c(14.5, 0, 18.5, 3.2, 5.5),
-                        c(12, 9, 18.5, 3, 4.5), c(4, 18, 18, 4, 5)},
-                       style));
-    append(mesh_, tube({c(-4, -21, 18, 3.5, 4.5), c(-18, -21, 17, 3, 3.5), c(-30, -12, 16.5, 3, 4),
-                        c(-33, 0, 16.5, 3.8, 5), c(-30, 12, 16.5, 3, 4), c(-18, 21, 17, 3, 3.5),
-                        c(-4, 21, 18, 3.5, 4.5)},
-                       style));
-    appendPair(mesh_, tube({c(-1, 22, 18, 4, 3.5), c(-3, 30, 17, 3, 2.8), c(-6, 37, 16, 3.8, 3.2)},
-                           style));
-    // Occipital condyles of the skull, on C1.
-    appendPair(mesh_,
-               ellipsoid(c2 + pointMm(1, 17, 28), pointMm(11, 6, 5.5), tilt.transpose(), 10));
+    appendPair(mesh, ellipsoid(c2 + pointMm(0, 19, 18), pointMm(10, 7.5, 6.5), tilt, 16, 2.5));
+    append(mesh, tube({c(4, -18, 18, 4, 5), c(12, -9, 18.5, 3, 4.5), c(14.5, 0, 18.5, 3.2, 5.5),
+                       c(12, 9, 18.5, 3, 4.5), c(4, 18, 18, 4, 5)},
+                      style));
+    append(mesh, tube({c(-4, -21, 18, 3.5, 4.5), c(-18, -21, 17, 3, 3.5), c(-30, -12, 16.5, 3, 4),
+                       c(-33, 0, 16.5, 3.8, 5), c(-30, 12, 16.5, 3, 4), c(-18, 21, 17, 3, 3.5),
+                       c(-4, 21, 18, 3.5, 4.5)},
+                      style));
+    appendPair(
+        mesh, tube({c(-1, 22, 18, 4, 3.5), c(-3, 30, 17, 3, 2.8), c(-6, 37, 16, 3.8, 3.2)}, style));
+    return mesh;
   }
 
-  void axis() {
-    append(mesh_, vertebraMesh(anatomy_, "C2"));
+  TriMesh axis() const {
+    TriMesh mesh = vertebraShells(anatomy_, "C2");
     const Eigen::Isometry3d frame = anatomy_.c2.frame();
     TubeStyle style;
     style.up = Vector3d::UnitX();
-    style.sides = 10;
-    append(mesh_, tube({{frame * pointMm(1, 0, 6), 6_mm, 6_mm},
-                        {frame * pointMm(1, 0, 16), 4.8_mm, 5.2_mm},
-                        {frame * pointMm(2, 0, 24), 5.2_mm, 5.5_mm},
-                        {frame * pointMm(1, 0, 29), 3.8_mm, 4_mm}},
-                       style));
+    append(mesh, tube({{frame * pointMm(1, 0, 6), 6_mm, 6_mm},
+                       {frame * pointMm(1, 0, 16), 4.8_mm, 5.2_mm},
+                       {frame * pointMm(2, 0, 24), 5.2_mm, 5.5_mm},
+                       {frame * pointMm(1, 0, 29), 3.8_mm, 4_mm}},
+                      style));
+    return mesh;
   }
 
   const Anatomy& anatomy_;
   Vector3d ear_;
-  TriMesh mesh_;
 };
 
 }  // namespace

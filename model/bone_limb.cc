@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/bone_parts.h"
+#include "model/fuse.h"
 
 namespace torso {
 namespace {
@@ -32,11 +33,10 @@ struct LimbFrame {
 };
 
 // Sections of a shaft are wide in y (side) and deep in x (up).
-TubeStyle shaftStyle(int sides = 10) {
+TubeStyle shaftStyle(double cap = 0.7) {
   TubeStyle style;
   style.up = Vector3d::UnitX();
-  style.sides = sides;
-  style.steps = 1;
+  style.cap = cap;
   return style;
 }
 
@@ -69,62 +69,54 @@ TriMesh humerusMesh(const Anatomy& anatomy) {
                      f.section(0, 1, 0.5, 0, 10.5, 11), f.section(1, 0, 0.7, 0, 11, 9.5),
                      f.section(1, 0, 0.84, 0, 15, 8.5), f.section(0, 0, 0.93, 0, 22, 8),
                      f.section(-1, -1, 0.97, 0, 25, 7.5)},
-                    shaftStyle(12)));
-  append(mesh, ellipsoid(f.at(0, 0, 0), pointMm(23.5, 23.5, 23.5), Matrix3d::Identity(), 18));
+                    shaftStyle()));
+  append(mesh, ellipsoid(f.at(0, 0, 0), pointMm(23, 23, 23), Matrix3d::Identity(), 20));
   // Greater and lesser tubercle, deltoid tuberosity.
-  append(mesh, ellipsoid(f.at(-3, 17, 0, -4), pointMm(15, 10, 18), Matrix3d::Identity(), 12));
-  append(mesh, ellipsoid(f.at(18, 8, 0, -9), pointMm(7, 7, 11), Matrix3d::Identity(), 10));
+  append(mesh, ellipsoid(f.at(-3, 17, 0, -4), pointMm(15, 10, 18), Matrix3d::Identity(), 20));
+  append(mesh, ellipsoid(f.at(18, 8, 0, -9), pointMm(7, 7, 11), Matrix3d::Identity(), 20));
   append(mesh, tube({f.section(2, 9, 0.38, 0, 4, 5), f.section(2, 9.5, 0.45, 0, 4.5, 5.5),
                      f.section(2, 8, 0.53, 0, 3, 4)},
-                    shaftStyle(8)));
+                    shaftStyle()));
   // Trochlea (a spool) and capitulum (a ball) on the axis of the elbow; epicondyles.
   TubeStyle roll;
   roll.up = Vector3d::UnitZ();
-  roll.sides = 12;
-  roll.steps = 1;
   roll.cap = 0.2;
   append(mesh, tube({f.section(0, -20, 1, 0, 12.5, 12.5), f.section(0, -10, 1, 0, 8.5, 8.5),
                      f.section(0, -1, 1, 0, 10.5, 10.5)},
                     roll));
-  append(mesh, ellipsoid(f.at(2, 11, 1), pointMm(11, 10.5, 11), Matrix3d::Identity(), 12));
-  append(mesh, ellipsoid(f.at(-3, -26, 1, 6), pointMm(7, 7, 9), Matrix3d::Identity(), 10));
-  append(mesh, ellipsoid(f.at(-1, 22, 1, 8), pointMm(6, 6, 9), Matrix3d::Identity(), 10));
-  return mesh;
+  append(mesh, ellipsoid(f.at(2, 11, 1), pointMm(11, 10.5, 11), Matrix3d::Identity(), 20));
+  append(mesh, ellipsoid(f.at(-3, -26, 1, 6), pointMm(7, 7, 9), Matrix3d::Identity(), 20));
+  append(mesh, ellipsoid(f.at(-1, 22, 1, 8), pointMm(6, 6, 9), Matrix3d::Identity(), 20));
+  return fuse(mesh, {1.6_mm, 6_mm, 550, 2, false});
 }
 
 TriMesh forearmMesh(const Anatomy& anatomy) {
   // The thumb points forward: at the elbow the radius lies to the side, at the wrist in front.
   const LimbFrame f(anatomy.landmark("elbow"), anatomy.landmark("wrist"));
-  TriMesh mesh;
+  TubeStyle upright;
+  TriMesh ulna, radius;
   // Ulna: olecranon behind the elbow, coronoid process below it, shaft, small head and styloid.
-  append(mesh, tube({f.section(-17, -8, 0, 9, 10, 7), f.section(-20, -8, 0, -4, 10, 6.5),
+  append(ulna, tube({f.section(-17, -8, 0, 9, 10, 7), f.section(-20, -8, 0, -4, 10, 6.5),
                      f.section(-16, -8, 0.08, 0, 9, 8.5), f.section(-11, -7, 0.16, 0, 7.5, 8.5),
                      f.section(-12, -3, 0.35, 0, 6.5, 7.5), f.section(-15, 0, 0.6, 0, 6, 6.5),
                      f.section(-18, 0, 0.82, 0, 5.5, 5.5), f.section(-19, 0, 0.94, 0, 7.5, 7.5),
                      f.section(-19, 0, 0.965, 0, 7.5, 7.5)},
                     shaftStyle()));
-  append(mesh, tube({f.section(-12, -8, 0.085, 0, 9, 6), f.section(-2, -8, 0.075, 0, 9, 5),
+  append(ulna, tube({f.section(-12, -8, 0.085, 0, 9, 6), f.section(-2, -8, 0.075, 0, 9, 5),
                      f.section(6, -8, 0.06, 0, 7, 4)},
-                    [] {
-                      TubeStyle s = shaftStyle(10);
-                      s.up = Vector3d::UnitZ();
-                      return s;
-                    }()));
-  append(mesh, smallBone(f.at(-23, 0, 0.95), f.at(-24, 0, 0.99), 3.2, 2.8, 2.2, Vector3d::UnitX()));
+                    upright));
+  append(ulna, smallBone(f.at(-23, 0, 0.95), f.at(-24, 0, 0.99), 3.2, 2.8, 2.2, Vector3d::UnitX()));
   // Radius: disc-shaped head, neck, tuberosity, bowed shaft, broad lower end.
-  append(mesh,
-         tube({f.section(1, 13, 0.05, 0, 11, 11), f.section(1, 13, 0.085, 0, 10.5, 10.5)}, [] {
-           TubeStyle s = shaftStyle(12);
-           s.cap = 0.15;
-           s.steps = 1;
-           return s;
-         }()));
-  append(mesh, tube({f.section(1, 13, 0.07, 0, 8, 8), f.section(1, 12, 0.13, 0, 6.5, 6.5),
-                     f.section(3, 10, 0.19, 0, 7.5, 8), f.section(8, 11, 0.35, 0, 6, 7.5),
-                     f.section(14, 9, 0.55, 0, 6, 8), f.section(15, 4, 0.78, 0, 7, 9),
-                     f.section(11, 1, 0.91, 0, 9.5, 14), f.section(10, 0, 0.965, 0, 10, 15.5)},
-                    shaftStyle()));
-  append(mesh, smallBone(f.at(21, 0, 0.94), f.at(24, 0, 1.0), 5.5, 4.8, 3.2, Vector3d::UnitX()));
+  append(radius, tube({f.section(1, 13, 0.05, 0, 11, 11), f.section(1, 13, 0.085, 0, 10.5, 10.5)},
+                      shaftStyle(0.15)));
+  append(radius, tube({f.section(1, 13, 0.07, 0, 8, 8), f.section(1, 12, 0.13, 0, 6.5, 6.5),
+                       f.section(3, 10, 0.19, 0, 7.5, 8), f.section(8, 11, 0.35, 0, 6, 7.5),
+                       f.section(14, 9, 0.55, 0, 6, 8), f.section(15, 4, 0.78, 0, 7, 9),
+                       f.section(11, 1, 0.91, 0, 9.5, 14), f.section(10, 0, 0.965, 0, 10, 15.5)},
+                      shaftStyle()));
+  append(radius, smallBone(f.at(21, 0, 0.94), f.at(24, 0, 1.0), 5.5, 4.8, 3.2, Vector3d::UnitX()));
+  TriMesh mesh = fuse(ulna, {1.3_mm, 4_mm, 350, 2, false});
+  append(mesh, fuse(radius, {1.3_mm, 4_mm, 350, 2, false}));
   return mesh;
 }
 
@@ -183,10 +175,8 @@ TriMesh handMesh(const Anatomy& anatomy) {
 TriMesh femurMesh(const Anatomy& anatomy) {
   const LimbFrame f(anatomy.landmark("hip_joint_centre"), anatomy.landmark("knee"));
   TriMesh mesh;
-  append(mesh, ellipsoid(f.origin, pointMm(23.5, 23.5, 23.5), Matrix3d::Identity(), 18));
+  append(mesh, ellipsoid(f.origin, pointMm(23, 23, 23), Matrix3d::Identity(), 20));
   TubeStyle style;
-  style.sides = 12;
-  style.steps = 2;
   // Neck, to the side and down.
   append(mesh, tube({f.section(0, 6, 0, -4, 17, 16), f.section(-3, 22, 0, -14, 12.5, 15.5),
                      f.section(-7, 42, 0, -30, 14, 20)},
@@ -197,20 +187,18 @@ TriMesh femurMesh(const Anatomy& anatomy) {
                      f.section(8, 29, 0.52, 0, 13.5, 14.5), f.section(6, 19, 0.70, 0, 15, 15),
                      f.section(1, 9, 0.84, 0, 21, 17), f.section(-1, 3, 0.93, 0, 33, 20),
                      f.section(-1, 1, 0.98, 0, 37, 20)},
-                    shaftStyle(14)));
+                    shaftStyle()));
   // Greater and lesser trochanter.
   append(mesh, tube({f.section(-13, 58, 0, -48, 11, 13), f.section(-12, 57, 0, -24, 11, 15),
                      f.section(-17, 52, 0, -3, 7, 10)},
-                    shaftStyle(12)));
-  append(mesh, ellipsoid(f.at(-19, 36, 0, -60), pointMm(9, 9, 12), Matrix3d::Identity(), 10));
+                    shaftStyle()));
+  append(mesh, ellipsoid(f.at(-19, 36, 0, -60), pointMm(9, 9, 12), Matrix3d::Identity(), 20));
   // Linea aspera.
   append(mesh, tube({f.section(-16, 44, 0.22, 0, 4, 5), f.section(-6.5, 35, 0.4, 0, 4, 5.5),
                      f.section(-4.5, 27, 0.58, 0, 4, 5), f.section(-8, 17, 0.74, 0, 4, 4)},
-                    shaftStyle(6)));
+                    shaftStyle()));
   // Condyles: rolls that reach back and down; the groove for the patella between them in front.
   TubeStyle roll;
-  roll.sides = 14;
-  roll.steps = 1;
   roll.squareness = 2.2;
   roll.cap = 0.5;
   for (double side : {-1.0, 1.0}) {
@@ -220,42 +208,45 @@ TriMesh femurMesh(const Anatomy& anatomy) {
                  f.section(-7, y - 12 * side, 1, 0, 21, 19)},
                 roll));
     append(mesh,
-           ellipsoid(f.at(14, y - 4 * side, 1, 4), pointMm(17, 16, 24), Matrix3d::Identity(), 12));
+           ellipsoid(f.at(14, y - 4 * side, 1, 4), pointMm(17, 16, 24), Matrix3d::Identity(), 20));
     append(mesh,
-           ellipsoid(f.at(-3, y + 16 * side, 1, 6), pointMm(10, 6, 10), Matrix3d::Identity(), 10));
+           ellipsoid(f.at(-3, y + 16 * side, 1, 6), pointMm(10, 6, 10), Matrix3d::Identity(), 20));
   }
-  return mesh;
+  return fuse(mesh, {1.8_mm, 8_mm, 750, 2, false});
 }
 
 TriMesh shinMesh(const Anatomy& anatomy) {
   const LimbFrame f(anatomy.landmark("knee"), anatomy.landmark("ankle"));
-  TriMesh mesh;
-  TubeStyle plateau = shaftStyle(16);
+  TriMesh tibia;
+  TubeStyle slender = shaftStyle();
+  slender.sides = 9;
+  slender.steps = 1;
+  TubeStyle plateau = shaftStyle(0.15);
   plateau.squareness = 2.5;
-  plateau.cap = 0.15;
   // Tibia: plateau, shaft with a front edge, medial malleolus.
-  append(mesh, tube({f.section(-3, 0, 0, -28, 37, 23), f.section(-4, 0, 0, -40, 36, 22),
-                     f.section(-3, 0, 0.16, 0, 26, 19), f.section(2, -4, 0.26, 0, 16, 17),
-                     f.section(1, -7, 0.45, 0, 12.5, 15), f.section(0, -7, 0.65, 0, 11.5, 13),
-                     f.section(0, -5, 0.82, 0, 13.5, 13), f.section(0, -4, 0.92, 0, 19, 16),
-                     f.section(0, -3, 0.955, 0, 22, 17)},
-                    plateau));
-  append(mesh, tube({f.section(0, -20, 0.93, 0, 8, 14), f.section(2, -25, 0.975, 0, 6, 12),
-                     f.section(2, -25, 1.015, 0, 4.5, 8)},
-                    shaftStyle(10)));
-  append(mesh, tube({f.section(16, 0, 0.1, 0, 9, 8), f.section(20, 0, 0.14, 0, 9, 7),
-                     f.section(15, -2, 0.2, 0, 6, 6)},
-                    shaftStyle(10)));  // tuberosity
-  append(mesh, tube({f.section(14, -3, 0.2, 0, 4, 6), f.section(13, -8, 0.4, 0, 3.5, 6),
-                     f.section(10, -9, 0.6, 0, 3, 5)},
-                    shaftStyle(8)));  // front edge
-  append(mesh, ellipsoid(f.at(-3, 0, 0, -27), pointMm(9, 6, 6), Matrix3d::Identity(), 10));
+  append(tibia, tube({f.section(-3, 0, 0, -28, 37, 23), f.section(-4, 0, 0, -40, 36, 22),
+                      f.section(-3, 0, 0.16, 0, 26, 19), f.section(2, -4, 0.26, 0, 16, 17),
+                      f.section(1, -7, 0.45, 0, 12.5, 15), f.section(0, -7, 0.65, 0, 11.5, 13),
+                      f.section(0, -5, 0.82, 0, 13.5, 13), f.section(0, -4, 0.92, 0, 19, 16),
+                      f.section(0, -3, 0.955, 0, 22, 17)},
+                     plateau));
+  append(tibia, tube({f.section(0, -20, 0.93, 0, 8, 14), f.section(2, -25, 0.975, 0, 6, 12),
+                      f.section(2, -25, 1.015, 0, 4.5, 8)},
+                     shaftStyle()));
+  append(tibia, tube({f.section(16, 0, 0.1, 0, 9, 8), f.section(20, 0, 0.14, 0, 9, 7),
+                      f.section(15, -2, 0.2, 0, 6, 6)},
+                     shaftStyle()));  // tuberosity
+  append(tibia, tube({f.section(14, -3, 0.2, 0, 4, 6), f.section(13, -8, 0.4, 0, 3.5, 6),
+                      f.section(10, -9, 0.6, 0, 3, 5)},
+                     shaftStyle()));  // front edge
+  append(tibia, ellipsoid(f.at(-3, 0, 0, -27), pointMm(9, 6, 6), Matrix3d::Identity(), 20));
+  TriMesh mesh = fuse(tibia, {1.7_mm, 6_mm, 550, 2, false});
   // Fibula, behind and to the side; its malleolus reaches lower.
   append(mesh, tube({f.section(-13, 37, 0, -44, 10, 11), f.section(-13, 37, 0, -56, 9, 10),
                      f.section(-13, 35, 0.22, 0, 6, 6.5), f.section(-12, 33, 0.45, 0, 6, 7),
                      f.section(-10, 31, 0.7, 0, 5.5, 7), f.section(-7, 29, 0.88, 0, 7, 9),
                      f.section(-6, 28, 0.96, 0, 8, 12), f.section(-7, 27, 1.045, 0, 5, 8)},
-                    shaftStyle()));
+                    slender));
   // Patella.
   append(mesh, ellipsoid(f.at(44, 1, 0, 6), pointMm(9.5, 21, 21),
                          AngleAxisd(-0.12, Vector3d::UnitY()).toRotationMatrix(), 14, 2.2));
@@ -281,8 +272,8 @@ TriMesh footMesh(const Anatomy& anatomy) {
     return Section{at(x, y, z), side * 1e-3, up * 1e-3, Vector3d::Zero()};
   };
   TubeStyle style;
-  style.sides = 12;
-  style.steps = 2;
+  style.sides = 10;
+  style.steps = 1;
   style.squareness = 2.4;
   style.cap = 0.5;
   TriMesh mesh;
@@ -293,7 +284,7 @@ TriMesh footMesh(const Anatomy& anatomy) {
               style));
   // Talus: body with the trochlea, neck and head.
   style.squareness = 2;
-  append(mesh, ellipsoid(at(59, 0, 68), pointMm(21, 15.5, 16.5), axes, 12, 2.4));
+  append(mesh, ellipsoid(at(59, 0, 68), pointMm(21, 15.5, 16.5), axes, 10, 2.4));
   append(mesh, tube({section(64, -2, 62, 13, 12), section(82, -6, 55, 10, 10),
                      section(93, -8, 51, 12, 11)},
                     style));

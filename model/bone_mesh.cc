@@ -13,23 +13,48 @@ void appendPair(TriMesh& mesh, const TriMesh& left) {
   append(mesh, mirrored(left));
 }
 
+namespace {
+
+using LimbMaker = TriMesh (*)(const Anatomy&);
+
+// Of "left_hand", "right_hand", ...; null if the name is no limb's.
+LimbMaker limbMaker(const std::string& body) {
+  static const std::map<std::string, LimbMaker> kMakers = {
+      {"clavicle", clavicleMesh}, {"scapula", scapulaMesh}, {"upper_arm", humerusMesh},
+      {"lower_arm", forearmMesh}, {"hand", handMesh},       {"thigh", femurMesh},
+      {"shin", shinMesh},         {"foot", footMesh}};
+  const std::size_t end = body.find('_');
+  const std::string side = body.substr(0, end);
+  if (end == std::string::npos || (side != "left" && side != "right")) return nullptr;
+  const auto it = kMakers.find(body.substr(end + 1));
+  return it == kMakers.end() ? nullptr : it->second;
+}
+
+bool isFreeVertebra(const Anatomy& anatomy, const std::string& body) {
+  for (const Vertebra& v : anatomy.vertebrae) {
+    if (v.name == body) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<Tissue> boneTissues(const Anatomy& anatomy, const std::string& body) {
+  if (body == "pelvis" || body == "ribcage") return {Tissue::kBone, Tissue::kCartilage};
+  if (body == "head" || isFreeVertebra(anatomy, body) || limbMaker(body) != nullptr) {
+    return {Tissue::kBone};
+  }
+  throw std::invalid_argument("no body of the torso is called '" + body + "'");
+}
+
 std::vector<BonePart> boneMesh(const Anatomy& anatomy, const std::string& body) {
   if (body == "pelvis") return pelvisMesh(anatomy);
   if (body == "ribcage") return ribCageMesh(anatomy);
   if (body == "head") return {{Tissue::kBone, headMesh(anatomy)}};
-  for (const Vertebra& v : anatomy.vertebrae) {
-    if (body == v.name) return {{Tissue::kBone, vertebraMesh(anatomy, v.name)}};
-  }
-  static const std::map<std::string, TriMesh (*)(const Anatomy&)> kLimbs = {
-      {"clavicle", clavicleMesh}, {"scapula", scapulaMesh}, {"upper_arm", humerusMesh},
-      {"lower_arm", forearmMesh}, {"hand", handMesh},       {"thigh", femurMesh},
-      {"shin", shinMesh},         {"foot", footMesh}};
-  for (const std::string side : {"left_", "right_"}) {
-    if (body.rfind(side, 0) != 0) continue;
-    const auto limb = kLimbs.find(body.substr(side.size()));
-    if (limb == kLimbs.end()) break;
-    const TriMesh left = limb->second(anatomy);
-    return {{Tissue::kBone, side == "left_" ? left : mirrored(left)}};
+  if (isFreeVertebra(anatomy, body)) return {{Tissue::kBone, vertebraMesh(anatomy, body)}};
+  if (const LimbMaker maker = limbMaker(body)) {
+    const TriMesh left = maker(anatomy);
+    return {{Tissue::kBone, body[0] == 'l' ? left : mirrored(left)}};
   }
   throw std::invalid_argument("no body of the torso is called '" + body + "'");
 }

@@ -22,7 +22,9 @@ inline Section sectionMm(double x, double y, double z, double side, double up) {
   return {pointMm(x, y, z), side * 1e-3, up * 1e-3, Eigen::Vector3d::Zero()};
 }
 
-TriMesh vertebraMesh(const Anatomy& anatomy, const std::string& level);  // L5 .. C2
+TriMesh vertebraMesh(const Anatomy& anatomy, const std::string& level);  // L5 .. C3
+// Its overlapping parts, for C2 to be completed.
+TriMesh vertebraShells(const Anatomy& anatomy, const std::string& level);
 
 // Face of a left superior facet in the standing body: its frame has z out of the face, y up along
 // it (its height) and x across (its width).

@@ -1,5 +1,6 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "model/bone_parts.h"
+#include "model/fuse.h"
 
 namespace torso {
 namespace {
@@ -19,11 +20,11 @@ TriMesh sacrum(const Anatomy& anatomy) {
   const Isometry3d s1 = anatomy.boneFrame("S1");
   std::vector<Ring> body;
   const double stations[][3] = {// depth below the endplate [mm], girth, shift to the rear [mm]
-                                {0, 0.45, 0},  {0, 0.985, 0}, {0.6, 1, 0},  {2.5, 0.99, 0},
-                                {9, 0.9, 0.5}, {18, 0.82, 2}, {30, 0.72, 6}};
+                                {0, 0.45, 0},   {0, 0.96, 0},  {0.4, 0.988, 0}, {1.2, 1, 0},
+                                {2.5, 0.99, 0}, {9, 0.9, 0.5}, {18, 0.82, 2},   {30, 0.72, 6}};
   for (const auto& s : stations) {
     Ring ring;
-    for (const Vector2d& p : endplateOutline(width, depth, 28)) {
+    for (const Vector2d& p : endplateOutline(width, depth, 48)) {
       ring.push_back(s1 * Vector3d(p.x() * s[1] - s[2] * 1e-3, p.y() * s[1], -s[0] * 1e-3));
     }
     body.push_back(ring);
@@ -33,8 +34,6 @@ TriMesh sacrum(const Anatomy& anatomy) {
   // Fused vertebrae: a bent wedge, hollow in front.
   TubeStyle style;
   style.up = Vector3d(1, 0, -0.6);  // out of the pelvic surface
-  style.sides = 16;
-  style.steps = 1;
   style.squareness = 2.5;
   style.cap = 0.4;
   append(mesh, tube({sectionMm(-15, 0, -4, 44, 13), sectionMm(-24, 0, -18, 50, 15),
@@ -44,14 +43,12 @@ TriMesh sacrum(const Anatomy& anatomy) {
                     style));
   // Alae.
   style.up = Vector3d::UnitZ();
-  style.sides = 14;
   style.squareness = 2.3;
-  appendPair(mesh, tube({sectionMm(-8, 8, -11, 14, 10), sectionMm(-10, 30, -11, 16, 11),
-                         sectionMm(-15, 44, -17, 15, 14), sectionMm(-20, 50, -22, 12, 13)},
+  appendPair(mesh, tube({sectionMm(-10, 8, -17, 14, 10), sectionMm(-12, 30, -14, 15, 10),
+                         sectionMm(-15, 42, -16, 14, 12), sectionMm(-21, 48, -24, 9, 10)},
                         style));
   // Median crest, four bumps of spinous processes; beside it the foramina's ridge.
   style.up = Vector3d(-1, 0, 0.6);
-  style.sides = 10;
   append(mesh, tube({sectionMm(-37, 0, 4, 5, 7), sectionMm(-45, 0, -8, 3.5, 9),
                      sectionMm(-53, 0, -20, 4, 8), sectionMm(-60, 0, -33, 3.2, 8.5),
                      sectionMm(-65, 0, -46, 4, 7), sectionMm(-68, 0, -62, 3, 6.5),
@@ -77,7 +74,6 @@ TriMesh sacrum(const Anatomy& anatomy) {
                     style));
   // Coccyx.
   style.up = Vector3d(1, 0, -0.3);
-  style.steps = 1;
   append(mesh, tube({sectionMm(-56, 0, -105, 11, 4), sectionMm(-53, 0, -112, 8, 4)}, style));
   append(mesh, tube({sectionMm(-50, 0, -116, 6.5, 3.5), sectionMm(-46, 0, -122, 5, 3)}, style));
   append(mesh, tube({sectionMm(-43, 0, -125.5, 4, 2.8), sectionMm(-37, 0, -129, 2.5, 2.2)}, style));
@@ -99,11 +95,11 @@ TriMesh hipBone(const Anatomy& anatomy) {
                                        at(42, 46, 110),  at(49, 37, 77)};
   const std::vector<Vector3d> middle = {at(-88, -41, 82), at(-76, -33, 84), at(-55, -16, 92),
                                         at(-30, 8, 96),   at(-4, 23, 96),   at(17, 28, 90),
-                                        at(34, 29, 78),   at(42, 27, 63)};
-  const std::vector<Vector3d> base = {at(-83, -40, 66), at(-68, -33, 53), at(-48, -20, 46),
-                                      at(-28, -6, 38),  at(-8, 4, 33),    at(10, 9, 31),
+                                        at(34, 29, 78),   at(37, 27, 63)};
+  const std::vector<Vector3d> base = {at(-83, -40, 66), at(-70, -34, 60), at(-51, -23, 60),
+                                      at(-31, -9, 50),  at(-10, 3, 36),   at(10, 9, 31),
                                       at(24, 13, 36),   at(33, 16, 45)};
-  constexpr int kRows = 7, kColumns = 15;
+  constexpr int kRows = 12, kColumns = 25;
   std::vector<std::vector<Vector3d>> grid(kRows, std::vector<Vector3d>(kColumns));
   std::vector<std::vector<double>> thickness(kRows, std::vector<double>(kColumns));
   for (int j = 0; j < kColumns; j++) {
@@ -118,8 +114,6 @@ TriMesh hipBone(const Anatomy& anatomy) {
   }
   append(mesh, plate(grid, thickness));
   TubeStyle style;
-  style.sides = 10;
-  style.steps = 1;
   // Lip of the crest, and the anterior spines.
   std::vector<Section> lip;
   const double lip_width[] = {7, 6.5, 5.5, 5.5, 6.5, 6.5, 5.5, 6};
@@ -130,9 +124,8 @@ TriMesh hipBone(const Anatomy& anatomy) {
   append(mesh, tube({section(30, 14, 42, 8, 7), section(35, 16, 47, 6, 5.5)}, style));
   // Arcuate line: from the roof of the acetabulum to the joint with the sacrum.
   style.up = Vector3d::UnitZ();
-  style.sides = 12;
-  append(mesh, tube({section(14, 0, 28, 12, 12), section(-12, -6, 36, 11, 11),
-                     section(-34, -18, 48, 9, 11), section(-54, -28, 66, 7, 14),
+  append(mesh, tube({section(14, 0, 28, 12, 12), section(-12, -6, 38, 11, 11),
+                     section(-34, -18, 56, 8, 10), section(-54, -28, 72, 7, 12),
                      section(-72, -34, 78, 6, 14)},
                     style));
 
@@ -140,12 +133,12 @@ TriMesh hipBone(const Anatomy& anatomy) {
   const Vector3d open = Vector3d(0.30, 0.80, -0.52).normalized();
   const Vector3d a = open.unitOrthogonal(), b = open.cross(a);
   std::vector<Ring> cup;
-  const double inner = 25.5_mm, outer = 33_mm;
+  const double inner = 26.5_mm, outer = 34_mm;
   const auto cupRing = [&](double radius, double degrees) {
     const double polar = degrees * EIGEN_PI / 180;  // from the bottom of the cup
     Ring ring;
-    for (int k = 0; k < 24; k++) {
-      const double angle = 2 * EIGEN_PI * k / 24;
+    for (int k = 0; k < 32; k++) {
+      const double angle = 2 * EIGEN_PI * k / 32;
       ring.push_back(hip +
                      radius * (-std::cos(polar) * open +
                                std::sin(polar) * (std::cos(angle) * a + std::sin(angle) * b)));
@@ -159,14 +152,12 @@ TriMesh hipBone(const Anatomy& anatomy) {
   append(mesh, loft(cup));
 
   // Posterior column, ischium with its tuberosity and ramus, up to the pubis.
-  style.sides = 12;
   style.up = Vector3d(0, 1, 0.0);
   append(mesh, tube({section(-16, -12, 34, 11, 10), section(-24, -16, 8, 9, 12),
                      section(-26, -16, -22, 9, 13), section(-30, -17, -46, 12, 13),
                      section(-34, -19, -66, 13, 14), section(-30, -23, -82, 12, 12)},
                     style));
   append(mesh, tube({section(-8, -12, -28, 8, 11), section(-18, -14, -50, 8, 12)}, style));
-  style.sides = 10;
   append(mesh, tube({section(-30, -22, -80, 11, 10), section(-14, -33, -83, 7, 6),
                      section(4, -48, -74, 6.5, 5), section(20, -62, -62, 7, 5),
                      section(32, -72, -48, 9, 6)},
@@ -187,21 +178,21 @@ TriMesh hipBone(const Anatomy& anatomy) {
                      section(34, -75, -47, 7.5, 6)},
                     style));
   // Pubic tubercle.
-  append(mesh, ellipsoid(at(51, -60, -13), Vector3d(5_mm, 5_mm, 5_mm), Matrix3d::Identity(), 8));
+  append(mesh, ellipsoid(at(51, -60, -13), Vector3d(5_mm, 5_mm, 5_mm), Matrix3d::Identity(), 14));
   return mesh;
 }
 
 }  // namespace
 
 std::vector<BonePart> pelvisMesh(const Anatomy& anatomy) {
-  TriMesh bone = sacrum(anatomy);
-  appendPair(bone, hipBone(anatomy));
+  const TriMesh socket = ellipsoid(anatomy.landmark("hip_joint_centre"), pointMm(25.5, 25.5, 25.5),
+                                   Matrix3d::Identity(), 28);
+  TriMesh bone = fuse(sacrum(anatomy), {1.4_mm, 4_mm, 1400, 1, true});
+  appendPair(bone, fuse(hipBone(anatomy), {1.6_mm, 8_mm, 1500, 2, false}, socket));
   // Symphysis, between the two bodies of the pubis.
   const Vector3d hip = anatomy.landmark("hip_joint_centre");
   TubeStyle style;
   style.up = Vector3d::UnitX();
-  style.sides = 12;
-  style.steps = 1;
   const Vector3d middle(hip.x(), 0, hip.z());
   const TriMesh symphysis = tube({{middle + pointMm(47, 0, -19), 5_mm, 6.5_mm},
                                   {middle + pointMm(42, 0, -32), 5_mm, 6.5_mm},

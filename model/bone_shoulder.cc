@@ -1,5 +1,9 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
+
 #include "model/bone_parts.h"
+#include "model/fuse.h"
 
 namespace torso {
 
@@ -25,7 +29,7 @@ TriMesh clavicleMesh(const Anatomy& anatomy) {
   }
   TubeStyle style;
   style.sides = 10;
-  style.steps = 1;
+  style.steps = 2;
   style.cap = 0.35;
   return tube(sections, style);
 }
@@ -36,18 +40,16 @@ TriMesh scapulaMesh(const Anatomy& anatomy) {
   const Vector3d ai = anatomy.landmark("scapula_inferior_angle_AI");
   const Vector3d gh = anatomy.landmark("glenohumeral_centre_GH");
   const Vector3d ac = anatomy.landmark("acromioclavicular_joint_AC");
-  const double kHeadRadius = 25.5_mm;  // humeral head with both cartilages
+  const double kHeadRadius = 26_mm;  // humeral head with both cartilages
 
   // Glenoid: faces the joint centre, along the blade.
   const Vector3d out = (gh - ts - pointMm(0, 0, -6)).normalized();
   const Vector3d glenoid = gh - kHeadRadius * out;
   const Vector3d up = (Vector3d::UnitZ() - out.z() * out).normalized();
-  const Vector3d back = out.cross(up).normalized();  // dorsal side of the blade
+  const Vector3d back = up.cross(out).normalized();  // dorsal side of the blade
 
   TriMesh mesh;
   TubeStyle style;
-  style.sides = 10;
-  style.steps = 1;
 
   // Blade: rows from the inferior angle up, columns from the medial to the lateral border.
   const Vector3d superior_angle = ts + pointMm(18, -5, 33);
@@ -66,7 +68,7 @@ TriMesh scapulaMesh(const Anatomy& anatomy) {
                                          low_neck,
                                          neck - 2_mm * out,
                                          top_neck};
-  constexpr int kRows = 14, kColumns = 7;
+  constexpr int kRows = 26, kColumns = 14;
   std::vector<std::vector<Vector3d>> grid(kRows, std::vector<Vector3d>(kColumns));
   std::vector<std::vector<double>> thickness(kRows, std::vector<double>(kColumns));
   for (int i = 0; i < kRows; i++) {
@@ -76,7 +78,7 @@ TriMesh scapulaMesh(const Anatomy& anatomy) {
       const double s = j / (kColumns - 1.0);
       // Bent around the thorax; the superior border dips before the coracoid.
       const double bend = 4 * s * (1 - s);
-      grid[i][j] = (1 - s) * a + s * b + bend * (i > 0 ? 0.045 : 0) * (b - a).norm() * back;
+      grid[i][j] = (1 - s) * a + s * b + bend * (i > 0 ? 0.05 : 0) * (b - a).norm() * back;
       if (t > 4) grid[i][j] -= (t - 4) * 9_mm * bend * up;
       thickness[i][j] = 3.0_mm + 1.5_mm * (s < 0.05) + 5.5_mm * std::max(0.0, (s - 0.7) / 0.3);
     }
@@ -97,8 +99,8 @@ TriMesh scapulaMesh(const Anatomy& anatomy) {
                         {0.4, 0.8},
                         {-1, 0.4}}) {
     Ring ring;
-    for (int k = 0; k < 16; k++) {
-      const double angle = 2 * EIGEN_PI * k / 16;
+    for (int k = 0; k < 28; k++) {
+      const double angle = 2 * EIGEN_PI * k / 28;
       const double width = 12.5_mm - 2.5_mm * std::sin(angle);
       ring.push_back(glenoid + s[0] * 1e-3 * out +
                      s[1] * (width * std::cos(angle) * back + 18_mm * std::sin(angle) * up));
@@ -109,18 +111,18 @@ TriMesh scapulaMesh(const Anatomy& anatomy) {
 
   // Spine: a plate that stands off the back of the blade from TS to the acromion.
   const Vector3d acromion_root = aa + pointMm(-6, -24, -8);
-  constexpr int kAlong = 7;
-  std::vector<std::vector<Vector3d>> fin(3, std::vector<Vector3d>(kAlong));
-  std::vector<std::vector<double>> fin_thickness(3, std::vector<double>(kAlong));
+  constexpr int kAlong = 13;
+  std::vector<std::vector<Vector3d>> fin(5, std::vector<Vector3d>(kAlong));
+  std::vector<std::vector<double>> fin_thickness(5, std::vector<double>(kAlong));
   const Vector3d notch = neck - 14_mm * out + 7_mm * up;
   for (int j = 0; j < kAlong; j++) {
     const double s = j / (kAlong - 1.0);
     const Vector3d foot = ts + s * (notch - ts) + 4 * s * (1 - s) * 3_mm * back;
     const Vector3d crest =
         ts + s * (acromion_root - ts) + 2_mm * back + 4 * s * (1 - s) * pointMm(-6, 0, 3);
-    for (int i = 0; i < 3; i++) {
-      fin[i][j] = foot + 0.5 * i * (crest - foot);
-      fin_thickness[i][j] = i == 2 ? 7.5_mm : i == 1 ? 4.5_mm : 6_mm;
+    for (int i = 0; i < 5; i++) {
+      fin[i][j] = foot + 0.25 * i * (crest - foot);
+      fin_thickness[i][j] = 3.5_mm + 4_mm * std::pow(0.5 * i - 1, 2);
     }
   }
   append(mesh, plate(fin, fin_thickness));
@@ -135,14 +137,14 @@ TriMesh scapulaMesh(const Anatomy& anatomy) {
                     style));
   // Coracoid: up and forward from the neck, then hooks to the side.
   style.squareness = 2;
-  style.sides = 10;
   append(mesh, tube({{top_neck - 2_mm * up + 2_mm * out, 8_mm, 7_mm},
                      {top_neck + pointMm(10, -3, 8), 7_mm, 6.5_mm},
                      {top_neck + pointMm(24, -2, 10), 6_mm, 5.5_mm},
                      {top_neck + pointMm(36, 6, 4), 5.5_mm, 5_mm},
                      {top_neck + pointMm(42, 12, -2), 4.5_mm, 4.5_mm}},
                     style));
-  return mesh;
+  return fuse(mesh, {1.1_mm, 5_mm, 1000, 2, false},
+              ellipsoid(gh, pointMm(25.5, 25.5, 25.5), Matrix3d::Identity(), 28));
 }
 
 }  // namespace torso

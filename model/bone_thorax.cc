@@ -24,7 +24,7 @@ constexpr RibCourse kCourse[kRibs] = {
     {24, 113, -68, 115, 68, 286}, {28, 123, -76, 119, 77, 256},  {32, 130, -81, 121, 87, 228},
     {35, 134, -84, 121, 96, 204}, {34, 135, -85, 117, 106, 182}, {30, 133, -84, 109, 114, 163},
     {24, 127, -80, 99, 117, 146}, {16, 119, -73, 90, 116, 142},  {4, 107, -64, 80, 92, 140}};
-constexpr double kBackPower = 2.7, kFrontPower = 2.25;
+constexpr double kBackPower = 2.95, kFrontPower = 2.25;
 
 // Where a rib's cartilage meets the sternum [mm]; ribs 8 to 10 end on the cartilage above.
 constexpr double kSternalEnd[kTrueRibs][2] = {  // y, z
@@ -81,13 +81,13 @@ class RibCage {
     }
     std::vector<Vector3d> line;
     // The head's middle lies beside the joint, clear of the body.
-    line.push_back(head + pointMm(0, 4.0, 0));
+    line.push_back(head + pointMm(-1, i == 0 ? 9.5 : 6.5, 0));
     if (has_tubercle) {
-      line.push_back(0.5 * (head + tubercle) + pointMm(0, 2.5, 0));
-      line.push_back(tubercle + pointMm(0.5, 2.0, 0));
+      line.push_back(0.5 * (head + tubercle) + pointMm(1.5, 5, 0));
+      line.push_back(tubercle + pointMm(3.5, 4.5, 0));
     } else {
-      tubercle = head + pointMm(-22, 22, -5);
-      line.push_back(head + pointMm(-9, 12, -1));
+      tubercle = head + pointMm(-22, 24, -5);
+      line.push_back(head + pointMm(-9, 15, -2));
     }
     const double y_angle = std::min(tubercle.y() + 22_mm + 1.2_mm * i, 0.75e-3 * c.half_breadth);
     const double first = ovalAngle(c, y_angle, true);
@@ -114,7 +114,7 @@ class RibCage {
       if (k == 1) section.side = 2.9_mm, section.up = 4.2_mm;
       if (i > 0 && s > 0.75) section.up = 6.4_mm;
       if (i >= 10) section.up *= s > 0.8 ? 0.75 : 0.9;
-      if (i == 0 && k > 1) section.side = 7.0_mm, section.up = 2.6_mm;  // a flat, broad rib
+      if (i == 0 && k > 2) section.side = 7.0_mm, section.up = 2.6_mm;  // a flat, broad rib
       if (i == 1 && k > 1) section.side = 4.2_mm, section.up = 4.6_mm;
       // The upper edge leans towards the axis of the thorax, which narrows upwards.
       const Vector3d inward = Vector3d(kCourse[i].x_wide * 1e-3 - line[k].x(), -line[k].y(), 0);
@@ -123,9 +123,9 @@ class RibCage {
       sections.push_back(section);
     }
     TubeStyle style;
-    style.sides = 8;
+    style.sides = 7;
     style.steps = 2;
-    style.squareness = 2.3;
+    style.squareness = 2.2;
     return tube(sections, style);
   }
 
@@ -163,7 +163,7 @@ class RibCage {
       sections.push_back({line[k], i == 0 ? 5.0_mm : 3.9_mm, up});
     }
     TubeStyle style;
-    style.sides = 8;
+    style.sides = 7;
     style.steps = 1;
     return tube(sections, style);
   }

@@ -59,23 +59,118 @@ DiscPose limited(const DiscPose& pose, double limit) {
 }  // namespace
 
 struct DiscBatch::Impl {
-  struct Group {
-    std::vector<int> discs;  // (lane) disc index
-    DiscGroup data;
-    int state_offset;
-  };
   struct DiscData {
     Disc disc;
     DiscElasticity elasticity;
     Vector3d normal;  // upperEndplateAreaVector
     int group, lane;
   };
+  struct Group {
+    std::vector<int> discs;  // (lane) disc index
+    DiscGroup data;
+    int state_offset;
+  };
+  // What one evaluation of a group knows of its lanes.
+  struct Lanes {
+    alignas(64) float pose_change[kPoseSize * kLanes] = {};
+    alignas(64) float wrench[6 * kLanes] = {};  // on the upper bone, frame M
+    alignas(64) float largest[kLanes] = {};     // correction that is taken at once [m]
+    alignas(64) float threshold[kLanes] = {};   // correction that asks for another iteration [m]
+    alignas(64) float active[kLanes] = {};      // 1 while the lane iterates, else 0
+    bool deformed[kLanes] = {};                 // the endplates have moved by kLargeStrain
+  };
+
+  void attach(const Group& group, const DiscPose* poses, const Options& options,
+              const double* old_state, double* new_state, float* u, Lanes* lanes) const;
+  int iterate(const Group& group, const Options& options, float* u, float* f, Lanes* lanes) const;
 
   std::vector<DiscData> discs;
   std::vector<Group> groups;
   int state_size = 0;
   int largest_nnode = 0;
 };
+
+// Brings the attached nodes to their bones in frame M, and the poses to the state.
+void DiscBatch::Impl::attach(const Group& group, const DiscPose* poses, const Options& options,
+                             const double* old_state, double* new_state, float* u,
+                             Lanes* lanes) const {
+  const DiscGroupView& view = group.data.view();
+  std::fill(u + 3 * kLanes * view.nfree, u + 3 * kLanes * view.nnode, 0.0f);
+  for (int k = 0; k < kPoseSize; ++k) {
+    // Lanes without a disc stay at rest.
+    std::fill(new_state + kLanes * k + group.discs.size(), new_state + kLanes * (k + 1), 0.0);
+  }
+  for (int lane = 0; lane < static_cast<int>(group.discs.size()); ++lane) {
+    const double height = discs[group.discs[lane]].elasticity.height;
+    const HalfwayFrame frame(limited(poses[group.discs[lane]], view.limit[lane]));
+    for (int k = 0; k < kPoseSize; ++k) {
+      const double value = 2 * (k < 3 ? frame.offset[k] : frame.rotation[k - 3]);
+      lanes->pose_change[kLanes * k + lane] =
+          static_cast<float>(value - old_state[kLanes * k + lane]);
+      new_state[kLanes * k + lane] = value;
+    }
+    const double large = kLargeStrain / 2 * height;
+    const Matrix3d turn = frame.half - Matrix3d::Identity();
+    for (int i = view.nfree; i < view.nnode; ++i) {
+      const float* X = view.rest + 3 * kLanes * (i - view.nfree) + lane;
+      const Vector3d rest(X[0], X[kLanes], X[2 * kLanes]);
+      Vector3d d;
+      if (i < view.nfree + view.nlower) {
+        d = turn.transpose() * rest - frame.offset;
+      } else {
+        d = turn * rest + frame.offset;
+      }
+      for (int k = 0; k < 3; ++k) u[kLanes * (3 * i + k) + lane] = static_cast<float>(d[k]);
+      lanes->deformed[lane] |= d.squaredNorm() > large * large;
+    }
+    lanes->active[lane] = 1;
+    lanes->largest[lane] = static_cast<float>(0.5 * height);
+    lanes->threshold[lane] = static_cast<float>(options.tolerance * height);
+  }
+}
+
+// Iterates until no lane asks for more; returns the number of iterations. A lane that is done keeps
+// its shape and wrench, so that a disc's answer does not depend on its neighbours in the group.
+int DiscBatch::Impl::iterate(const Group& group, const Options& options, float* u, float* f,
+                             Lanes* lanes) const {
+  const DiscKernels& kernels = *kernelsInUse().load(std::memory_order_relaxed);
+  const DiscGroupView& view = group.data.view();
+  const int nlane = static_cast<int>(group.discs.size());
+  alignas(64) float ends[6 * kLanes], response[6 * kLanes];
+  alignas(64) float work[kLanes], change[kLanes], extra[kLanes], factor[kLanes];
+  const bool any_deformed =
+      std::any_of(lanes->deformed, lanes->deformed + nlane, [](bool b) { return b; });
+  for (int iterations = 1;; ++iterations) {
+    kernels.forces(view, u, f);
+    kernels.wrench(view, u, f, ends, response);
+    kernels.solve(view, f, work, change);
+    // Where the disc has become stiffer than at rest along the correction, less of it is enough.
+    std::copy(lanes->active, lanes->active + kLanes, factor);
+    if (any_deformed) {
+      std::fill(f + 3 * kLanes * view.nfree, f + 3 * kLanes * view.nnode, 0.0f);
+      kernels.stiffening(view, u, f, extra);
+      for (int lane = 0; lane < nlane; ++lane) {
+        if (lanes->deformed[lane] && extra[lane] > 0) {
+          factor[lane] *= work[lane] / (work[lane] + extra[lane]);
+        }
+      }
+    }
+    kernels.apply(view, factor, lanes->largest, f, u);
+    bool again = false;
+    for (int lane = 0; lane < nlane; ++lane) {
+      if (lanes->active[lane] == 0) continue;
+      for (int k = lane; k < 6 * kLanes; k += kLanes) {
+        lanes->wrench[k] = ends[k] + factor[lane] * response[k];
+      }
+      if (change[lane] > lanes->threshold[lane] && iterations < options.max_iterations) {
+        again = true;
+      } else {
+        lanes->active[lane] = 0;
+      }
+    }
+    if (!again) return iterations;
+  }
+}
 
 DiscBatch::DiscBatch(const std::vector<Disc>& discs) : impl_(std::make_unique<Impl>()) {
   for (size_t i = 0; i < discs.size(); ++i) {
@@ -131,84 +226,17 @@ int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* s
   int most_iterations = 0;
   for (const Impl::Group& group : impl_->groups) {
     const DiscGroupView& view = group.data.view();
-    const double* const old_pose = state_in + group.state_offset;
-    double* const new_pose = state_out + group.state_offset;
-
-    // Poses to frame M, and the attached nodes with them.
-    alignas(64) float pose_change[kPoseSize * kLanes] = {};
-    alignas(64) float active[kLanes] = {};
-    alignas(64) float largest[kLanes] = {};
-    alignas(64) float threshold[kLanes] = {};
-    alignas(64) float w[6 * kLanes], w_ends[6 * kLanes], w_response[6 * kLanes], change[kLanes];
-    alignas(64) float work[kLanes], extra[kLanes], factor[kLanes];
-    std::fill(u + 3 * kLanes * view.nfree, u + 3 * kLanes * view.nnode, 0.0f);
-    bool deformed[kLanes] = {};
-    const int nlane = static_cast<int>(group.discs.size());
-    for (int lane = 0; lane < kLanes; ++lane) {
-      if (lane >= nlane) {
-        for (int k = 0; k < kPoseSize; ++k) new_pose[kLanes * k + lane] = 0;
-        continue;
-      }
-      const Impl::DiscData& disc = impl_->discs[group.discs[lane]];
-      const DiscPose pose = limited(poses[group.discs[lane]], view.limit[lane]);
-      const HalfwayFrame frame(pose);
-      for (int k = 0; k < kPoseSize; ++k) {
-        const double value = 2 * (k < 3 ? frame.offset[k] : frame.rotation[k - 3]);
-        pose_change[kLanes * k + lane] = static_cast<float>(value - old_pose[kLanes * k + lane]);
-        new_pose[kLanes * k + lane] = value;
-      }
-      const double large = kLargeStrain / 2 * disc.elasticity.height;
-      const Matrix3d up = frame.half - Matrix3d::Identity();
-      for (int i = view.nfree; i < view.nnode; ++i) {
-        const bool lower = i < view.nfree + view.nlower;
-        const float* X = view.rest + 3 * kLanes * (i - view.nfree) + lane;
-        const Vector3d rest(X[0], X[kLanes], X[2 * kLanes]);
-        const Vector3d d =
-            lower ? Vector3d(up.transpose() * rest - frame.offset) : up * rest + frame.offset;
-        for (int k = 0; k < 3; ++k) u[kLanes * (3 * i + k) + lane] = static_cast<float>(d[k]);
-        deformed[lane] |= d.squaredNorm() > large * large;
-      }
-      active[lane] = 1;
-      largest[lane] = static_cast<float>(0.5 * disc.elasticity.height);
-      threshold[lane] = static_cast<float>(options.tolerance * disc.elasticity.height);
-    }
-
-    kernels.predict(view, old_pose + kPoseSize * kLanes, pose_change, u);
-    int iterations = 0;
-    for (bool again = true; again; ++iterations) {
-      kernels.forces(view, u, f);
-      kernels.wrench(view, u, f, w_ends, w_response);
-      kernels.solve(view, f, work, change);
-      for (int lane = 0; lane < kLanes; ++lane) factor[lane] = active[lane];
-      if (std::any_of(deformed, deformed + nlane, [](bool b) { return b; })) {
-        std::fill(f + 3 * kLanes * view.nfree, f + 3 * kLanes * view.nnode, 0.0f);
-        kernels.stiffening(view, u, f, extra);
-        for (int lane = 0; lane < nlane; ++lane) {
-          if (deformed[lane] && extra[lane] > 0)
-            factor[lane] *= work[lane] / (work[lane] + extra[lane]);
-        }
-      }
-      kernels.apply(view, factor, largest, f, u);
-      again = false;
-      for (int lane = 0; lane < nlane; ++lane) {
-        if (active[lane] == 0) continue;
-        for (int k = lane; k < 6 * kLanes; k += kLanes) {
-          w[k] = w_ends[k] + factor[lane] * w_response[k];
-        }
-        if (change[lane] > threshold[lane] && iterations + 1 < options.max_iterations) {
-          again = true;
-        } else {
-          active[lane] = 0;  // a disc's answer does not depend on its neighbours in the group
-        }
-      }
-    }
-    kernels.store(view, u, new_pose + kPoseSize * kLanes);
-    most_iterations = std::max(most_iterations, iterations);
-
-    for (int lane = 0; lane < nlane; ++lane) {
+    const double* const old_state = state_in + group.state_offset;
+    double* const new_state = state_out + group.state_offset;
+    Impl::Lanes lanes;
+    impl_->attach(group, poses, options, old_state, new_state, u, &lanes);
+    kernels.predict(view, old_state + kPoseSize * kLanes, lanes.pose_change, u);
+    most_iterations = std::max(most_iterations, impl_->iterate(group, options, u, f, &lanes));
+    kernels.store(view, u, new_state + kPoseSize * kLanes);
+    for (size_t lane = 0; lane < group.discs.size(); ++lane) {
       const int i = group.discs[lane];
       Vector6d in_m;
-      for (int k = 0; k < 6; ++k) in_m[k] = w[kLanes * k + lane];
+      for (int k = 0; k < 6; ++k) in_m[k] = lanes.wrench[kLanes * k + lane];
       wrenches[i] =
           HalfwayFrame(limited(poses[i], view.limit[lane])).wrench(in_m, impl_->discs[i].normal);
     }

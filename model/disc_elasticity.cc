@@ -2,10 +2,11 @@
 #include "model/disc_elasticity.h"
 
 #include <Eigen/SVD>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
+#include <string>
 
 namespace torso {
 
@@ -15,28 +16,42 @@ using Eigen::VectorXd;
 
 namespace {
 
-// With a Lagrange multiplier l, p_i^2 - s_i p_i = l: p_i is the larger root, or the smaller one for
-// at most one i (`flip`, else -1).
-Vector3d roots(const Vector3d& s, double l, int flip) {
+// Critical points of |p - s|^2 on p1 p2 p3 = 1: with a Lagrange multiplier l, p_i^2 - s_i p_i = l.
+// p_i is the larger root, or the smaller one for at most one i (`flip`, else -1).
+Vector3d roots(const Vector3d& s, double l, int flip, Vector3d* slope) {
   Vector3d p;
   for (int i = 0; i < 3; ++i) {
-    const double d = std::sqrt(std::max(0.0, s[i] * s[i] + 4 * l));
-    // The form without cancellation.
-    const double large = s[i] >= 0 ? (s[i] + d) / 2 : -2 * l / (s[i] - d);
-    const double small = s[i] >= 0 ? (s[i] + d > 0 ? -2 * l / (s[i] + d) : 0) : (s[i] - d) / 2;
-    p[i] = i == flip ? small : large;
+    const double d = std::sqrt(std::max(1e-300, s[i] * s[i] + 4 * l));
+    const bool larger = i != flip;
+    // Of the two forms of a root, the one without cancellation.
+    p[i] = larger == (s[i] >= 0) ? (s[i] + (larger ? d : -d)) / 2
+                                 : -2 * l / (s[i] + (larger ? -d : d));
+    (*slope)[i] = larger ? 1 / d : -1 / d;
   }
   return p;
 }
 
-// Bisection for the l in [low, high] where the product of the roots is 1; `rising` with l.
-Vector3d bisect(const Vector3d& s, double low, double high, int flip, bool rising) {
-  for (int i = 0; i < 200 && low < high; ++i) {
-    const double l = (low + high) / 2;
-    if (l == low || l == high) break;
-    ((roots(s, l, flip).prod() < 1) == rising ? low : high) = l;
+double product(const Vector3d& s, double l, int flip) {
+  Vector3d slope;
+  return roots(s, l, flip, &slope).prod();
+}
+
+// The l in [low, high] where the product of the roots is 1; `rising` with l. Newton's method on the
+// product's logarithm, bisection where it leaves the bracket.
+Vector3d solve(const Vector3d& s, double low, double high, int flip, bool rising) {
+  Vector3d p, slope;
+  double l = (low + high) / 2;
+  for (int i = 0; i < 100; ++i) {
+    p = roots(s, l, flip, &slope);
+    const double error = std::log(std::max(p.prod(), 1e-300));
+    if (std::abs(error) < 1e-14) break;
+    ((error < 0) == rising ? low : high) = l;
+    const double next = l - error / slope.cwiseQuotient(p).sum();
+    const double last = l;
+    l = next > low && next < high ? next : (low + high) / 2;
+    if (l == last) break;
   }
-  return roots(s, (low + high) / 2, flip);
+  return p;
 }
 
 }  // namespace
@@ -45,17 +60,17 @@ Vector3d nearestUnitProduct(const Vector3d& s) {
   const double J = s.prod();
   if (J == 1) return s;
   // The product of the larger roots rises with l from at most J; at the upper end each exceeds 1.
-  if (J < 1) return bisect(s, 0, 2 + 2 * s.squaredNorm(), -1, true);
+  if (J < 1) return solve(s, 0, 2 + 2 * s.squaredNorm(), -1, true);
   // J > 1 has all s_i > 0. Either all roots are the larger ones, or that of the smallest s is not.
   int least;
   s.minCoeff(&least);
   const double low = -s[least] * s[least] / 4;
-  const Vector3d folded = bisect(s, low, 0, least, false);
-  if (roots(s, low, -1).prod() > 1) return folded;
-  const Vector3d plain = bisect(s, low, 0, -1, true);
-  const bool fold =
+  const Vector3d folded = solve(s, low, 0, least, false);
+  if (product(s, low, -1) > 1) return folded;
+  const Vector3d plain = solve(s, low, 0, -1, true);
+  const bool nearer =
       std::abs(folded.prod() - 1) < 1e-6 && (folded - s).squaredNorm() < (plain - s).squaredNorm();
-  return fold ? folded : plain;
+  return nearer ? folded : plain;
 }
 
 Projections project(const Matrix3d& F) {

@@ -5,10 +5,7 @@
 // and the frame half way between the two bones (frame M). Internal to the disc solvers.
 
 #include <Eigen/Core>
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
-#include <memory>
-#include <string>
 #include <vector>
 
 #include "model/disc.h"

@@ -1,11 +1,11 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "model/disc_group.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/OrderingMethods>
-#include <Eigen/SVD>
 #include <algorithm>
+#include <iterator>
 #include <new>
-#include <numeric>
 #include <set>
 #include <stdexcept>
 
@@ -86,9 +86,8 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
   }
 
   inverse_edges_ = LaneArray(9 * ntet);
-  volume_ = LaneArray(ntet);
-  two_mu_ = LaneArray(1);
-  kappa_ = LaneArray(1);
+  weight_ = LaneArray(ntet);
+  ratio_ = LaneArray(1);
   limit_ = LaneArray(1);
   rest_ = LaneArray(3 * (nnode - nfree));
   response_ = LaneArray(18 * nfree);
@@ -98,11 +97,10 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
     const bool used = lane < static_cast<int>(meshes.size());
     const DiscMesh& mesh = *meshes[used ? lane : 0];
     const DiscElasticity& elasticity = *elasticities[used ? lane : 0];
-    two_mu_(0, lane) = static_cast<float>(2 * elasticity.mu);
-    kappa_(0, lane) = static_cast<float>(elasticity.kappa);
+    ratio_(0, lane) = static_cast<float>(elasticity.kappa / (2 * elasticity.mu));
     limit_(0, lane) = static_cast<float>(kLargestDisplacement * elasticity.size);
     for (int e = 0; e < ntet; ++e) {
-      volume_(e, lane) = static_cast<float>(elasticity.volume[e]);
+      weight_(e, lane) = static_cast<float>(2 * elasticity.mu * elasticity.volume[e]);
       for (int i = 0; i < 9; ++i) {
         inverse_edges_(9 * e + i, lane) =
             static_cast<float>(elasticity.inverse_edges[e](i / 3, i % 3));
@@ -122,53 +120,9 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
         response_(6 * i + k, lane) = static_cast<float>(elasticity.response(dofs[i], k));
       }
     }
-    // Dense factorisation of the permuted matrix would be simpler, but grows with the cube of the
-    // mesh; this is the left-looking block form on the pattern found above.
-    std::vector<std::vector<Matrix3d>> L(nfree);
-    std::vector<Matrix3d> D(nfree);
-    std::vector<std::vector<std::pair<int, int>>> left(
-        nfree);  // (column, place) of blocks in a row
-    const auto& K = elasticity.free_hessian;
-    std::vector<int> place(nfree, -1);
-    std::vector<int> inverse(nfree);  // (free index) order
-    for (int i = 0; i < nfree; ++i) inverse[elasticity.free_index[order[i]]] = i;
-    for (int j = 0; j < nfree; ++j) {
-      const int begin = column_[j], count = column_[j + 1] - begin;
-      L[j].assign(count, Matrix3d::Zero());
-      D[j].setZero();
-      for (int b = 0; b < count; ++b) place[row_[begin + b] / (3 * kLanes)] = b;
-      const int source = elasticity.free_index[order[j]];
-      for (int c = 0; c < 3; ++c) {
-        for (Eigen::SparseMatrix<double>::InnerIterator it(K, 3 * source + c); it; ++it) {
-          const int i = inverse[it.row() / 3];
-          if (i == j) D[j](it.row() % 3, c) = it.value();
-          if (i > j) L[j][place[i]](it.row() % 3, c) = it.value();
-        }
-      }
-      for (const auto& [k, p] : left[j]) {
-        const Matrix3d factor = L[k][p].transpose();
-        D[j] -= L[k][p] * factor;
-        for (size_t b = p + 1; b < L[k].size(); ++b) {
-          L[j][place[row_[column_[k] + b] / (3 * kLanes)]] -= L[k][b] * factor;
-        }
-      }
-      const Eigen::LLT<Matrix3d> llt(D[j]);
-      if (llt.info() != Eigen::Success) {
-        throw std::invalid_argument("the stiffness at rest is not positive definite");
-      }
-      const Matrix3d l = llt.matrixL();
-      const float diagonal[6] = {static_cast<float>(1 / l(0, 0)), static_cast<float>(l(1, 0)),
-                                 static_cast<float>(1 / l(1, 1)), static_cast<float>(l(2, 0)),
-                                 static_cast<float>(l(2, 1)),     static_cast<float>(1 / l(2, 2))};
-      for (int i = 0; i < 6; ++i) diagonal_(6 * j + i, lane) = diagonal[i];
-      for (int b = 0; b < count; ++b) {
-        L[j][b] = llt.matrixL().solve(L[j][b].transpose()).transpose().eval();
-        left[row_[begin + b] / (3 * kLanes)].emplace_back(j, b);
-        for (int i = 0; i < 9; ++i) {
-          below_(9 * (begin + b) + i, lane) = static_cast<float>(L[j][b](i / 3, i % 3));
-        }
-      }
-    }
+    std::vector<int> position(nfree);  // (free node) in the order of elimination
+    for (int i = 0; i < nfree; ++i) position[elasticity.free_index[order[i]]] = i;
+    factorise(elasticity.free_hessian, position, lane);
   }
 
   view_ = {nnode,
@@ -177,9 +131,8 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
            ntet,
            tets_.data(),
            inverse_edges_.data(),
-           volume_.data(),
-           two_mu_.data(),
-           kappa_.data(),
+           weight_.data(),
+           ratio_.data(),
            rest_.data(),
            response_.data(),
            limit_.data(),
@@ -189,14 +142,52 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
            below_.data()};
 }
 
-void discStressBySvd(const float* F, float two_mu, float kappa, float* stress) {
+// Left-looking Cholesky factorisation by 3x3 blocks, on the pattern of column_ and row_.
+void DiscGroup::factorise(const Eigen::SparseMatrix<double>& K, const std::vector<int>& position,
+                          int lane) {
+  const int n = static_cast<int>(position.size());
+  const auto row = [&](int block) { return row_[block] / (3 * kLanes); };
+  std::vector<int> node(n);  // inverse of position
+  for (int i = 0; i < n; ++i) node[position[i]] = i;
+  std::vector<Matrix3d> L(row_.size(), Matrix3d::Zero());
+  std::vector<std::vector<std::pair<int, int>>> left(n);  // (row) its blocks: column, block
+  std::vector<int> place(n);                              // (row) its block in the current column
+  for (int j = 0; j < n; ++j) {
+    for (int b = column_[j]; b < column_[j + 1]; ++b) place[row(b)] = b;
+    Matrix3d D = Matrix3d::Zero();
+    for (int c = 0; c < 3; ++c) {
+      for (Eigen::SparseMatrix<double>::InnerIterator it(K, 3 * node[j] + c); it; ++it) {
+        const int i = position[it.row() / 3];
+        if (i == j) D(it.row() % 3, c) = it.value();
+        if (i > j) L[place[i]](it.row() % 3, c) = it.value();
+      }
+    }
+    for (const auto& [k, block] : left[j]) {
+      const Matrix3d factor = L[block].transpose();
+      D -= L[block] * factor;
+      for (int b = block + 1; b < column_[k + 1]; ++b) L[place[row(b)]] -= L[b] * factor;
+    }
+    const Eigen::LLT<Matrix3d> llt(D);
+    if (llt.info() != Eigen::Success) {
+      throw std::invalid_argument("the stiffness at rest is not positive definite");
+    }
+    const Matrix3d l = llt.matrixL();
+    const double diagonal[6] = {1 / l(0, 0), l(1, 0), 1 / l(1, 1), l(2, 0), l(2, 1), 1 / l(2, 2)};
+    for (int i = 0; i < 6; ++i) diagonal_(6 * j + i, lane) = static_cast<float>(diagonal[i]);
+    for (int b = column_[j]; b < column_[j + 1]; ++b) {
+      L[b] = llt.matrixL().solve(L[b].transpose()).transpose().eval();
+      left[row(b)].emplace_back(j, b);
+      for (int i = 0; i < 9; ++i) below_(9 * b + i, lane) = static_cast<float>(L[b](i / 3, i % 3));
+    }
+  }
+}
+
+void discStressBySvd(const float* F, float ratio, float* stress) {
   Matrix3d G;
   for (int i = 0; i < 9; ++i) G(i / 3, i % 3) = F[i];
   const Projections p = project(G);
-  for (int i = 0; i < 9; ++i) {
-    stress[i] = static_cast<float>(two_mu * (G - p.rotation)(i / 3, i % 3) +
-                                   kappa * (G - p.isochoric)(i / 3, i % 3));
-  }
+  const Matrix3d S = (G - p.rotation) + ratio * (G - p.isochoric);
+  for (int i = 0; i < 9; ++i) stress[i] = static_cast<float>(S(i / 3, i % 3));
 }
 
 }  // namespace torso

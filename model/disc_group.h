@@ -44,9 +44,11 @@ class DiscGroup {
   }  // 3x3 blocks of L below the diagonal
 
  private:
+  void factorise(const Eigen::SparseMatrix<double>& K, const std::vector<int>& position, int lane);
+
   DiscGroupView view_;
   std::vector<int> number_, tets_, column_, row_;
-  LaneArray inverse_edges_, volume_, two_mu_, kappa_, rest_, response_, limit_, diagonal_, below_;
+  LaneArray inverse_edges_, weight_, ratio_, rest_, response_, limit_, diagonal_, below_;
 };
 
 }  // namespace torso

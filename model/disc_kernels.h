@@ -18,9 +18,8 @@ struct DiscGroupView {
   int nnode, nfree, nlower, ntet;
   const int* tets;             // (ntet x 4) offset of the node's first float: 24 x node
   const float* inverse_edges;  // (ntet x 9) [1/m], row major
-  const float* volume;         // (ntet) [m^3]
-  const float* two_mu;         // (1) [Pa]
-  const float* kappa;          // (1) [Pa]
+  const float* weight;         // (ntet) 2 mu V [Nm]
+  const float* ratio;          // (1) kappa / 2 mu
   const float* rest;           // (attached node x 3) rest position [m]
   const float* response;       // (nfree x 3 x 6) DiscElasticity::response
   const float* limit;          // (1) largest displacement that is believed [m]
@@ -56,9 +55,9 @@ struct DiscKernels {
   void (*apply)(const DiscGroupView&, const float* factor, const float* largest,
                 const float* correction, float* u);
   void (*store)(const DiscGroupView&, const float* u, double* state);
-  // The local step of one tet alone, for tests: F and stress (9 x 8) row major, two_mu and kappa
-  // (8).
-  void (*stress)(const float* F, const float* two_mu, const float* kappa, float* stress);
+  // The local step of one tet alone, for tests: F and stress / 2 mu are (9 x 8), row major; ratio
+  // is (8).
+  void (*stress)(const float* F, const float* ratio, float* stress);
 };
 
 extern const DiscKernels kDiscKernelsPortable;
@@ -67,7 +66,7 @@ extern const DiscKernels kDiscKernelsAvx512;
 
 // What the kernels do with a deformation gradient F (9, row major) that their series does not
 // converge for (crushed, inverted or blown-up tets): the same law from a singular value
-// decomposition, in double. stress = two_mu (F - R) + kappa (F - P).
-void discStressBySvd(const float* F, float two_mu, float kappa, float* stress);
+// decomposition, in double. stress = F - R + ratio (F - P).
+void discStressBySvd(const float* F, float ratio, float* stress);
 
 }  // namespace torso

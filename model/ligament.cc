@@ -46,7 +46,7 @@ struct Bone {
     return sacrum() ? 0.025 : (v().body_height_anterior + v().body_height_posterior) / 2;
   }
   Vector3d spinousTip() const {
-    if (sacrum()) return {-0.045, 0, -0.018};  // median sacral crest at S1
+    if (sacrum()) return {-0.045, 0, -0.030};  // median sacral crest at S1
     const double d = v().spinous_declination;
     return v().spinous_tip_distance * Vector3d(-std::cos(d), 0, -std::sin(d));
   }
@@ -88,7 +88,10 @@ Vector3d site(const Bone& bone, const std::string& ligament, bool upper) {
     const bool lateral = starts("LF_lat");
     const double y = (lateral ? 0.40 : 0.15) * bone.canalWidth();
     const double x = bone.canalBack() + (lateral ? 0.2 * (-d / 2 - bone.canalBack()) : 0);
-    return {x, y, (upper ? 0.10 : -0.50) * bone.bodyHeight()};
+    // The sacral endplate slopes down behind, its lamina with it; at L5/S1 the wedge of the disc
+    // has used up its height by there.
+    const double top = bone.sacrum() ? -0.30 : 0.10;
+    return {x, y, (upper ? top : -0.50) * bone.bodyHeight()};
   }
   if (starts("ISL") || starts("SSL")) {
     const Vector3d tip = bone.spinousTip();

@@ -24,8 +24,8 @@ struct Section {
 
 struct TubeStyle {
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  // never along the tube
-  int sides = 10;                                 // points around
-  int steps = 3;                                  // rings from one section to the next
+  int sides = 14;                                 // points around
+  int steps = 4;                                  // rings from one section to the next
   double squareness = 2;                          // exponent of the section: 2 ellipse, 4 boxy
   double cap = 0.7;  // length of the rounded ends over the smaller half axis; they reach beyond
                      // the first and the last centre by this length

@@ -3,12 +3,18 @@
 
 #include <algorithm>
 
-namespace torso::plugin {
+#include "plugin/limit.h"
+#include "plugin/point_velocity.h"
 
-FacetGap pointGap(const mjModel* m, const mjData* d, const FacetEntry& facet, int point_geom) {
+namespace torso::plugin {
+namespace {
+
+// Gap of a world point; normal in the world frame.
+FacetGap gapAt(const mjModel* m, const mjData* d, const FacetEntry& facet, int point_geom,
+               const mjtNum point[3]) {
   const int ellipsoid = facet.ellipsoid_geom;
   mjtNum offset[3], local[3];
-  mju_sub3(offset, d->geom_xpos + 3 * point_geom, d->geom_xpos + 3 * ellipsoid);
+  mju_sub3(offset, point, d->geom_xpos + 3 * ellipsoid);
   mju_rotVecMatT(local, offset, d->geom_xmat + 9 * ellipsoid);
   const mjtNum* size = m->geom_size + 3 * ellipsoid;
   const int k = static_cast<int>(std::find(facet.point_geoms, facet.point_geoms + 3, point_geom) -
@@ -20,41 +26,32 @@ FacetGap pointGap(const mjModel* m, const mjData* d, const FacetEntry& facet, in
   return gap;
 }
 
-namespace {
-
-// Velocity of a world point of a body, from positions and qvel alone (d->cvel is still that of the
-// step before when collisions are computed).
-Eigen::Vector3d pointVelocity(const mjModel* m, const mjData* d, int body, const mjtNum* point) {
-  while (body && !m->body_dofnum[body]) body = m->body_parentid[body];
-  Eigen::Vector3d angular = Eigen::Vector3d::Zero(), linear = Eigen::Vector3d::Zero();
-  if (!body) return linear;
-  const mjtNum* com = d->subtree_com + 3 * m->body_rootid[body];
-  for (int i = m->body_dofadr[body] + m->body_dofnum[body] - 1; i >= 0; i = m->dof_parentid[i]) {
-    const mjtNum* axis = d->cdof + 6 * i;
-    angular += d->qvel[i] * Eigen::Vector3d(axis[0], axis[1], axis[2]);
-    linear += d->qvel[i] * Eigen::Vector3d(axis[3], axis[4], axis[5]);
-  }
-  const Eigen::Vector3d offset(point[0] - com[0], point[1] - com[1], point[2] - com[2]);
-  return linear + angular.cross(offset);
-}
-
 }  // namespace
+
+FacetGap pointGap(const mjModel* m, const mjData* d, const FacetEntry& facet, int point_geom) {
+  return gapAt(m, d, facet, point_geom, d->geom_xpos + 3 * point_geom);
+}
 
 int collideFacet(const mjModel* m, const mjData* d, const FacetEntry& facet, mjContact* con,
                  int point_geom) {
-  const FacetGap gap = pointGap(m, d, facet, point_geom);
+  constexpr double kNear = 0.03;
   const mjtNum* point = d->geom_xpos + 3 * point_geom;
-  if (gap.violation <= 0) {
-    const Eigen::Vector3d velocity =
-        pointVelocity(m, d, m->geom_bodyid[point_geom], point) -
-        pointVelocity(m, d, m->geom_bodyid[facet.ellipsoid_geom], point);
-    const double outward = -velocity.dot(gap.normal);
-    if (gap.violation + 2 * m->opt.timestep * outward <= 0) return 0;
-  }
+  const FacetGap now = gapAt(m, d, facet, point_geom, point);
+  const Eigen::Vector3d velocity = pointVelocity(m, d, m->geom_bodyid[point_geom], point) -
+                                   pointVelocity(m, d, m->geom_bodyid[facet.ellipsoid_geom], point);
+  mjtNum ahead[3];
+  mju_addScl3(ahead, point, velocity.data(), m->opt.timestep);
+  const FacetGap then = gapAt(m, d, facet, point_geom, ahead);
+  // Forces change where the point will be, so look at those that come near the edge, too: within
+  // two steps at this speed, or nearer than a share of the ellipsoid's size.
+  const double approach = std::max(then.violation - now.violation, 0.0);
+  const double near = kNear * mju_min(m->geom_size[3 * facet.ellipsoid_geom + 2],
+                                      m->geom_size[3 * facet.ellipsoid_geom]);
+  if (now.violation + 2 * approach + near <= 0) return 0;
   // The contact pushes geom1, the point, against the frame's first axis.
-  con->dist = -gap.violation - kFacetLookAhead;
+  con->dist = limitGap(-now.violation, -then.violation) - kFacetLookAhead;
   mju_copy3(con->pos, point);
-  mju_scl3(con->frame, gap.normal.data(), -1);
+  mju_scl3(con->frame, then.normal.data(), -1);
   mju_zero3(con->frame + 3);
   return 1;
 }

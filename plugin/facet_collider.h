@@ -13,12 +13,12 @@ FacetGap pointGap(const mjModel* m, const mjData* d, const FacetEntry& facet, in
 
 // A frictionless contact that keeps the point in its band; returns the number of contacts. There is
 // one if the point is beyond the band or would, at its present speed, leave it within two steps:
-// the constraint then acts in the step in which the band would be left, not after it. contact.dist
-// is the distance to the band's edge, less kFacetLookAhead, which makes MuJoCo include the contact;
-// rewriteLimits adds it again.
+// the constraint then acts in the step in which the band would be left, not after it. Its normal is
+// that of the place where the point is going. contact.dist is the law's gap (limit.h) less
+// kFacetLookAhead, which makes MuJoCo include the contact; rewriteLimits adds it again.
 int collideFacet(const mjModel* m, const mjData* d, const FacetEntry& facet, mjContact* con,
                  int point_geom);
 
-inline constexpr double kFacetLookAhead = 0.1;  // [m], more than any point moves in two steps
+inline constexpr double kFacetLookAhead = 1;  // [m], more than any gap
 
 }  // namespace torso::plugin

@@ -1,6 +1,7 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "plugin/instance.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -298,8 +299,15 @@ Instance::Instance(const mjModel* m) {
       Ligament ligament;
       ligament.name = name;
       while (!tuple.done()) {
-        ligament.tendons.push_back(tuple.take(mjOBJ_TENDON));
-        is_ligament[ligament.tendons.back()] = 1;
+        const int tendon = tuple.take(mjOBJ_TENDON);
+        const int adr = m->tendon_adr[tendon];
+        if (m->tendon_num[tendon] != 2 || m->wrap_type[adr] != mjWRAP_SITE ||
+            m->wrap_type[adr + 1] != mjWRAP_SITE) {
+          fail(tuple.where(), std::string("tendon '") + nameOf(m, mjOBJ_TENDON, tendon) +
+                                  "' must run straight between two sites");
+        }
+        ligament.tendons.push_back(tendon);
+        is_ligament[tendon] = 1;
       }
       ligaments.push_back(ligament);
     }
@@ -315,7 +323,10 @@ Instance::Instance(const mjModel* m) {
     if (weld.disc < 0) continue;
     const auto& K = batch->restStiffness(weld.disc);
     weld.bound[0] = K.diagonal().head<3>().maxCoeff();
-    weld.bound[1] = K.diagonal().tail<3>().maxCoeff();
+    // Ligaments and facets pull at this lever; as their directions turn with the bones, they add a
+    // rotational stiffness that explicit steps of 5 ms do not bear. Bounded by the disc's own.
+    constexpr double kLever = 0.015;
+    weld.bound[1] = std::max(K.diagonal().tail<3>().maxCoeff(), kLever * kLever * weld.bound[0]);
     for (int k = 0; k < 2; k++) weld.damping[k] = discs[weld.disc].retardation_time * weld.bound[k];
     const DiscEntry& disc = discs[weld.disc];
     for (int i = 0; i < m->nu; i++) {
@@ -333,22 +344,24 @@ Instance::Instance(const mjModel* m) {
   // Ligament segments and facets by level.
   levels.resize(discs.size());
   for (std::size_t i = 0; i < discs.size(); i++) {
-    const int lower = discs[i].lower_body, upper = discs[i].upper_body;
+    // A bone is all that is fixed to it: the geoms of facets are on bodies of their own, and a
+    // pelvis may be fixed to the world.
+    const auto bone = [&](int body) { return m->body_weldid[body]; };
+    const int lower = bone(discs[i].lower_body), upper = bone(discs[i].upper_body);
     const auto between = [&](int a, int b) {
-      return (a == lower && b == upper) || (a == upper && b == lower);
+      return (bone(a) == lower && bone(b) == upper) || (bone(a) == upper && bone(b) == lower);
     };
     for (const Ligament& ligament : ligaments) {
       for (int tendon : ligament.tendons) {
         const int adr = m->tendon_adr[tendon];
-        if (m->tendon_num[tendon] != 2 || m->wrap_type[adr] != mjWRAP_SITE) continue;
         if (between(m->site_bodyid[m->wrap_objid[adr]], m->site_bodyid[m->wrap_objid[adr + 1]])) {
           levels[i].tendons.push_back(tendon);
         }
       }
     }
     for (std::size_t f = 0; f < facets.size(); f++) {
-      const auto bone = [&](int geom) { return m->body_weldid[m->geom_bodyid[geom]]; };
-      if (between(bone(facets[f].ellipsoid_geom), bone(facets[f].point_geoms[0]))) {
+      if (between(m->geom_bodyid[facets[f].ellipsoid_geom],
+                  m->geom_bodyid[facets[f].point_geoms[0]])) {
         levels[i].facets.push_back(static_cast<int>(f));
       }
     }

@@ -7,6 +7,8 @@
 #include <new>
 
 #include "plugin/facet_collider.h"
+#include "plugin/limit.h"
+#include "plugin/point_velocity.h"
 
 namespace torso::plugin {
 namespace {
@@ -50,6 +52,65 @@ void servoGains(const mjModel* m, const WeldEntry& weld, double* kp, double* kv)
     const double gear2 = gear[0] * gear[0] + gear[1] * gear[1] + gear[2] * gear[2];
     *kp = std::max(*kp, -bias[1] * gear2);
     *kv = std::max(*kv, -bias[2] * gear2);
+  }
+}
+
+// Length of a ligament segment after one step at the present velocities.
+double lengthAhead(const mjModel* m, const mjData* d, int tendon) {
+  const int* sites = m->wrap_objid + m->tendon_adr[tendon];
+  const mjtNum *a = d->site_xpos + 3 * sites[0], *b = d->site_xpos + 3 * sites[1];
+  const Vector3d velocity = pointVelocity(m, d, m->site_bodyid[sites[1]], b) -
+                            pointVelocity(m, d, m->site_bodyid[sites[0]], a);
+  return (Vector3d(b[0] - a[0], b[1] - a[1], b[2] - a[2]) + m->opt.timestep * velocity).norm();
+}
+
+// Adds a value to column `dof` of three neighbouring rows of the constraint Jacobian that have the
+// same columns, or clears it.
+void addToRows(const mjModel* m, mjData* d, int first_row, int dof, const mjtNum* value,
+               bool clear) {
+  const auto add = [&](mjtNum* entry, int k) { *entry = clear ? 0 : *entry + value[k]; };
+  if (!mj_isSparse(m)) {
+    for (int k = 0; k < 3; k++) add(d->efc_J + m->nv * (first_row + k) + dof, k);
+    return;
+  }
+  const int* columns = d->efc_J_colind + d->efc_J_rowadr[first_row];
+  const int* end = columns + d->efc_J_rownnz[first_row];
+  const int* column = std::lower_bound(columns, end, dof);
+  if (column == end || *column != dof) return;  // a dof that moves both bodies alike
+  // In the transpose the three entries stand side by side.
+  const int* rows = d->efc_JT_colind + d->efc_JT_rowadr[dof];
+  const int* row = std::lower_bound(rows, rows + d->efc_JT_rownnz[dof], first_row);
+  for (int k = 0; k < 3; k++) {
+    add(d->efc_J + d->efc_J_rowadr[first_row + k] + (column - columns), k);
+    add(d->efc_JT + d->efc_JT_rowadr[dof] + (row - rows) + k, k);
+  }
+}
+
+// Takes the Jacobian of a weld's three translational rows at one common point of its two bodies,
+// body2's anchor, instead of at the two anchors. Those part as the disc deforms, and opposite
+// forces at two places would turn the body. The entries are made anew, not corrected: this may run
+// again on the same rows (finite differences).
+void useCommonPoint(const mjModel* m, mjData* d, int equality, int first_row) {
+  const int bodies[2] = {m->eq_obj1id[equality], m->eq_obj2id[equality]};
+  mjtNum point[3];
+  mju_rotVecMat(point, m->eq_data + mjNEQDATA * equality, d->xmat + 9 * bodies[1]);
+  mju_addTo3(point, d->xpos + 3 * bodies[1]);
+  for (bool clear : {true, false}) {
+    for (int side : {0, 1}) {
+      int body = bodies[side];
+      while (body && !m->body_dofnum[body]) body = m->body_parentid[body];
+      if (!body) continue;
+      mjtNum offset[3];
+      mju_sub3(offset, point, d->subtree_com + 3 * m->body_rootid[body]);
+      for (int i = m->body_dofadr[body] + m->body_dofnum[body] - 1; i >= 0;
+           i = m->dof_parentid[i]) {
+        mjtNum velocity[3];
+        mju_cross(velocity, d->cdof + 6 * i, offset);
+        mju_addTo3(velocity, d->cdof + 6 * i + 3);
+        if (side) mju_scl3(velocity, velocity, -1);
+        addToRows(m, d, first_row, i, velocity, clear);
+      }
+    }
   }
 }
 
@@ -127,6 +188,7 @@ void rewriteWelds(const mjModel* m, mjData* d, const Instance& instance) {
     const WeldEntry& weld = instance.welds[index];
     double kp, kv;
     servoGains(m, weld, &kp, &kv);
+    useCommonPoint(m, d, equality, row);
     for (int k = 0; k < 6; k++, row++) {
       const bool rotation = k >= 3;
       const double s = rotation ? 0.5 * m->eq_data[mjNEQDATA * equality + 10] : 1;
@@ -144,32 +206,29 @@ void rewriteWelds(const mjModel* m, mjData* d, const Instance& instance) {
   }
 }
 
-// For a limit with gap x (positive: not reached) the row should allow the velocity v' at the end of
-// the step down to -x / h, so that the gap just closes, and a violated one must close by kRecovery
-// of its depth: J a - aref >= 0 with aref = -v / h - K x, K = 1 / h^2 or kRecovery / h^2. That is
-// the velocity-level complementarity problem of Anitescu and Potra 1997, which the paper solves.
 void rewriteLimits(const mjModel* m, mjData* d, const Instance& instance) {
-  constexpr double kRecovery = 0.2;
   constexpr double kSoftness = 0.001;  // R over the row's own inverse inertia
   const double h = m->opt.timestep;
   for (int row = d->ne + d->nf; row < d->nefc; row++) {
     const int id = d->efc_id[row];
     if (d->efc_type[row] == mjCNSTR_LIMIT_TENDON) {
       if (!instance.is_ligament[id]) continue;
-      d->efc_margin[row] = 0;
+      const double limit = m->tendon_range[2 * id + 1];
+      d->efc_pos[row] = limitGap(limit - d->ten_length[id], limit - lengthAhead(m, d, id));
     } else if (d->efc_type[row] == mjCNSTR_CONTACT_FRICTIONLESS) {
       const mjContact& con = d->contact[id];
       const int facet = instance.facet_of_geom[con.geom2];
       if (facet < 0 || facet != instance.facet_of_geom[con.geom1]) continue;
       d->efc_pos[row] = con.dist + kFacetLookAhead;
-      d->efc_margin[row] = 0;
     } else {
       continue;
     }
+    d->efc_margin[row] = 0;
     d->efc_R[row] = std::max(kSoftness * d->efc_diagApprox[row], mjMINVAL);
     d->efc_D[row] = 1 / d->efc_R[row];
-    d->efc_KBIP[4 * row] = (d->efc_pos[row] > 0 ? 1 : kRecovery) / (h * h);
-    d->efc_KBIP[4 * row + 1] = 1 / h;
+    // aref = -B v - K I (pos - margin)
+    d->efc_KBIP[4 * row] = 1 / (h * h);
+    d->efc_KBIP[4 * row + 1] = 0;
     d->efc_KBIP[4 * row + 2] = 1;
   }
 }

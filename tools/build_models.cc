@@ -36,6 +36,9 @@ void buildModels(const Anatomy& anatomy, const std::string& folder) {
   tinyxml2::XMLDocument scene;
   writeScene(scene);
   save(scene, folder + "/scene.xml");
+  tinyxml2::XMLDocument held;
+  writeHeldScene(held);
+  save(held, folder + "/torso_held.xml");
   saveBody(anatomy, MjcfOptions(), folder + "/torso.xml");
   saveBody(anatomy, human, folder + "/human.xml");
   human.kind = TorsoKind::kFixed;

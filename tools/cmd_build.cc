@@ -32,7 +32,8 @@ void addBuild(CLI::App& app) {
     if (options->anatomy.empty()) options->anatomy = anatomyFolder();
     const Anatomy anatomy = Anatomy::load(options->anatomy);
     buildModels(anatomy, options->output);
-    fmt::print("{}: torso.xml, human.xml, human_fixed.xml, scene.xml, assets/\n", options->output);
+    fmt::print("{}: torso.xml, human.xml, human_fixed.xml, scene.xml, torso_held.xml, assets/\n",
+               options->output);
     fmt::print("body of {:.2f} m and {:.1f} kg\n", anatomy.stature(), anatomy.mass());
   });
 }

@@ -263,7 +263,7 @@ void addRun(CLI::App& app) {
       "real_time_factor        simulated time over the processor time of its thread in mj_step\n"
       "bodies_on_floor         share of the runs after which the centre of mass is below 0.6 of "
       "its\n"
-      "                        standing height and slower than 0.5 m/s, and each free body is "
+      "                        standing height and slower than 1.5 m/s, and each free body is "
       "below\n"
       "                        its standing height but not below the floor\n"
       "ligament_violation_mm   length beyond the limit: 99th percentile over all steps and all\n"

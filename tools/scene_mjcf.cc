@@ -20,7 +20,7 @@ void writeScene(tinyxml2::XMLDocument& document) {
   Element(visual, "quality").set("shadowsize", 4096).set("offsamples", 8);
   Element(visual, "global")
       .set("azimuth", 140)
-      .set("elevation", -10)
+      .set("elevation", -14)
       .set("offwidth", 1920)
       .set("offheight", 1440);
   Element(visual, "scale")
@@ -28,7 +28,7 @@ void writeScene(tinyxml2::XMLDocument& document) {
       .set("contactwidth", 0.06)
       .set("contactheight", 0.02);
   Element(visual, "rgba").set("haze", {0.90, 0.92, 0.94, 1});
-  Element(root, "statistic").set("center", {0, 0, 0.95}).set("extent", 1.3);
+  Element(root, "statistic").set("center", {0, 0, 0.75}).set("extent", 1.7);
 
   Element asset(root, "asset");
   Element(asset, "texture")
@@ -67,6 +67,18 @@ void writeScene(tinyxml2::XMLDocument& document) {
       .set("dir", {-0.45, -0.35, -1})
       .set("diffuse", {0.55, 0.55, 0.52})
       .set("specular", {0.2, 0.2, 0.2});
+}
+
+void writeHeldScene(tinyxml2::XMLDocument& document) {
+  document.InsertEndChild(
+      document.NewComment(" The torso with its pelvis held in the air, to try the servos on. "
+                          "Written by `torso build`. "));
+  tinyxml2::XMLElement* root = document.NewElement("mujoco");
+  document.InsertEndChild(root);
+  Element(root, "include").set("file", "scene.xml");
+  Element(root, "include").set("file", "torso.xml");
+  Element equality(root, "equality");
+  Element(equality, "weld").set("name", "held").set("body1", "pelvis").set("solref", {0.004, 1});
 }
 
 }  // namespace torso::tools

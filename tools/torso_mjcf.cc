@@ -28,14 +28,15 @@ constexpr int kCollisionGroup = 3, kFacetGroup = 4, kSiteGroup = 4;
 // limbs and head also meet each other, the rib cage, the lumbar slices and the pelvis.
 constexpr int kWorldBit = 1, kLimbBit = 2;
 
-// Facet pairs: the margin passes them through the bounding-sphere filter at any excursion; the
-// equal gap makes stock MuJoCo act on penetration only.
-constexpr double kFacetMargin = 0.1;
+// Facet pairs: the margin passes them through the bounding-sphere filter at any excursion. The gap
+// is so much larger that stock MuJoCo, to which a point on an ellipsoid is a penetration in any
+// direction, never acts on them; the plugin reports distances below it (facet_collider.h).
+constexpr double kFacetMargin = 0.1, kFacetGap = 0.3;
 
-// Capsules, radiate ligaments and cartilage between the rib cage and each of T1-T10, whose ribs
-// reach the sternum: a linear bushing at the vertebra. Assumed: soft beside the facets, enough to
-// keep the cage from rattling in their bands; T1-T10 together about as stiff as one disc in shear.
-constexpr int kBushings = 10;
+// Capsules, radiate ligaments and intercostal tissue between the rib cage and the spine: linear
+// bushings at T1, T4, T7 and T10. Assumed: soft beside the facets, enough to keep the cage from
+// rattling in their bands.
+constexpr const char* kBushingLevels[] = {"T1", "T4", "T7", "T10"};
 constexpr double kBushing[4] = {1e4, 200, 5, 1};  // [N/m, Ns/m, Nm/rad, Nms/rad]
 
 // Rows exist from this distance before the limit, so that the plugin can stop a fast ligament at
@@ -214,8 +215,8 @@ void Writer::writeAssets() {
       .set("specular", 0.3)
       .set("shininess", 0.4);
   for (const std::string& body : mjcfBodies(a_, o_)) {
-    for (const BonePart& part : boneMesh(a_, body)) {
-      const std::string name = boneMeshName(body, part.tissue);
+    for (const Tissue tissue : boneTissues(a_, body)) {
+      const std::string name = boneMeshName(body, tissue);
       Element mesh(asset, "mesh");
       mesh.set("name", named(name)).set("file", o_.mesh_dir + "/" + name + ".stl");
       if (o_.mesh_scale != 1) mesh.set("scale", {o_.mesh_scale, o_.mesh_scale, o_.mesh_scale});
@@ -312,11 +313,11 @@ void Writer::writeInertial(XMLElement* element, const std::string& body) {
 }
 
 void Writer::writeBones(XMLElement* element, const std::string& body) {
-  for (const BonePart& part : boneMesh(a_, body)) {
-    const std::string name = boneMeshName(body, part.tissue);
+  for (const Tissue tissue : boneTissues(a_, body)) {
+    const std::string name = boneMeshName(body, tissue);
     Element geom(element, "geom");
     geom.set("name", named(name)).set("class", named("bone")).set("mesh", named(name));
-    if (part.tissue == Tissue::kCartilage) geom.set("material", named("cartilage"));
+    if (tissue == Tissue::kCartilage) geom.set("material", named("cartilage"));
     const Isometry3d offset = frame(body).inverse() * bodyFrame(a_, body);
     if (!offset.isApprox(Isometry3d::Identity())) {
       geom.set("pos", Vector3d(offset.translation())).set("quat", Quaterniond(offset.linear()));
@@ -474,12 +475,17 @@ void Writer::writeContacts() {
           .set("geom2", named(facet.name + "_ellipsoid"))
           .set("condim", 1)
           .set("margin", kFacetMargin)
-          .set("gap", kFacetMargin)
+          .set("gap", kFacetGap)
           .set("solref", kLimitSolref)
           .set("solimp", kLimitSolimp);
     }
   }
 }
+
+// Lower limit of a ligament's length, never met. With 0 MuJoCo would add constraint rows for
+// ligaments shorter than their margin, and draw slack ones as hanging strings of so many pieces
+// that the viewer has no room for the body.
+constexpr double kNoLowerLimit = -1;
 
 void Writer::writeTendons() {
   Element tendons(root_, "tendon");
@@ -487,7 +493,8 @@ void Writer::writeTendons() {
     Element spatial(tendons, "spatial");
     spatial.set("name", named(s.name))
         .set("class", named("ligament"))
-        .set("range", {0, s.max_length});
+        // A lower bound of 0 would make the viewer draw each as a sagging chain of 30 geoms.
+        .set("range", {-0.01, s.max_length});
     Element(spatial, "site").set("site", named(s.name + "_lower"));
     Element(spatial, "site").set("site", named(s.name + "_upper"));
   }
@@ -504,7 +511,7 @@ void Writer::writeEqualities() {
         .set("body1", named(upper))
         .set("body2", named(lower))
         .set("anchor", local(lower, anchor))
-        .set("torquescale", 0.1)
+        .set("torquescale", 0.3)
         .set("solref", "0.004 1")
         .set("solimp", "0.95 0.95 0.001");
   };
@@ -512,8 +519,7 @@ void Writer::writeEqualities() {
     weld(disc.name, bodyOfLevel(a_, disc.upper), bodyOfLevel(a_, disc.lower),
          disc.frame.translation());
   }
-  for (int i = 1; i <= kBushings; i++) {
-    const std::string level = "T" + std::to_string(i);
+  for (const std::string level : kBushingLevels) {
     weld("ribcage_" + level, "ribcage", level, a_.vertebra(level).position);
   }
 }
@@ -637,8 +643,8 @@ void Writer::writeCustom() {
   const double force = a_.mass_scale, torque = force * a_.length_scale * a_.length_scale;
   numeric("bushing:ribcage",
           {force * kBushing[0], force * kBushing[1], torque * kBushing[2], torque * kBushing[3]});
-  for (int i = 1; i <= kBushings; i++) {
-    const std::string name = "ribcage_T" + std::to_string(i);
+  for (const std::string level : kBushingLevels) {
+    const std::string name = "ribcage_" + level;
     Element bushing(custom, "tuple");
     bushing.set("name", named("bushing:" + name));
     element(bushing, "equality", named(name));

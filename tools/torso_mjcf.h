@@ -40,4 +40,7 @@ void writeMjcf(const Anatomy& anatomy, const MjcfOptions& options, tinyxml2::XML
 // Writes the floor, light and sky that human.xml includes.
 void writeScene(tinyxml2::XMLDocument& document);
 
+// Writes the scene that holds torso.xml by its pelvis.
+void writeHeldScene(tinyxml2::XMLDocument& document);
+
 }  // namespace torso::tools

@@ -1,0 +1,545 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "model/fuse.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <queue>
+#include <unordered_map>
+
+namespace torso {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::Vector3i;
+
+// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
+Vector3d nearestOnTriangle(const Vector3d& p, const Vector3d& a, const Vector3d& b,
+                           const Vector3d& c) {
+  const Vector3d ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return a;
+  const Vector3d bp = p - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return b;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
+  const Vector3d cp = p - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return c;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+  }
+  const double sum = va + vb + vc;
+  return a + vb / sum * ab + vc / sum * ac;
+}
+
+// Union with a fillet of size k.
+double blend(double a, double b, double k) {
+  const double h = k > 0 ? std::max(k - std::abs(a - b), 0.0) / k : 0;
+  return std::min(a, b) - h * h * k / 4;
+}
+
+// Signed distance, exact within `band` of the surface, negative inside.
+class Field {
+ public:
+  Field(const AlignedBox3d& box, const FuseOptions& options)
+      : h_(options.voxel), fillet_(options.fillet), band_(fillet_ + 2 * h_) {
+    origin_ = box.min() - Vector3d::Constant(3 * h_);
+    if (options.symmetric) origin_.y() = 0;
+    const Vector3d extent = box.max() + Vector3d::Constant(3 * h_) - origin_;
+    for (int k = 0; k < 3; k++) size_[k] = static_cast<int>(std::ceil(extent[k] / h_)) + 1;
+    value_.assign(std::size_t(size_[0]) * size_[1] * size_[2], band_);
+  }
+
+  // Unites the field with a shell, or takes the shell's inside away.
+  void add(const TriMesh& shell, bool cut = false) {
+    AlignedBox3d box;
+    for (const Vector3d& v : shell.vertices) box.extend(v);
+    const Vector3i low = nodeBelow(box.min() - Vector3d::Constant(band_));
+    const Vector3i high = nodeBelow(box.max() + Vector3d::Constant(band_)) + Vector3i::Ones();
+    const Vector3i first = low.cwiseMax(0), last = high.cwiseMin(size_ - Vector3i::Ones());
+    const Vector3i n = last - first + Vector3i::Ones();
+    if ((n.array() <= 0).any()) return;
+    const auto local = [&](int i, int j, int k) {
+      return (std::size_t(i - first[0]) * n[1] + (j - first[1])) * n[2] + (k - first[2]);
+    };
+    std::vector<double> distance2(std::size_t(n[0]) * n[1] * n[2], band_ * band_);
+    std::vector<int> winding(distance2.size(), 0);
+    for (const auto& f : shell.faces) {
+      const Vector3d &a = shell.vertices[f[0]], &b = shell.vertices[f[1]],
+                     &c = shell.vertices[f[2]];
+      const Vector3d least = a.cwiseMin(b).cwiseMin(c), most = a.cwiseMax(b).cwiseMax(c);
+      const Vector3i l = nodeBelow(least - Vector3d::Constant(band_)).cwiseMax(first);
+      const Vector3i m =
+          (nodeBelow(most + Vector3d::Constant(band_)) + Vector3i::Ones()).cwiseMin(last);
+      for (int i = l[0]; i <= m[0]; i++) {
+        for (int j = l[1]; j <= m[1]; j++) {
+          for (int k = l[2]; k <= m[2]; k++) {
+            const Vector3d p = node(i, j, k);
+            double& d2 = distance2[local(i, j, k)];
+            // No nearer than the box around the face is.
+            const Vector3d off = (p - most).cwiseMax(least - p).cwiseMax(0.0);
+            if (off.squaredNorm() >= d2) continue;
+            d2 = std::min(d2, (p - nearestOnTriangle(p, a, b, c)).squaredNorm());
+          }
+        }
+      }
+      // Where the vertical line of a column passes the face, upwards, it enters or leaves. Lines
+      // slightly off the nodes, so that none passes through an edge.
+      const double nz = (b - a).cross(c - a).z();
+      if (nz == 0) continue;
+      const Vector3i cl = nodeBelow(least).cwiseMax(first);
+      const Vector3i cm = (nodeBelow(most) + Vector3i::Ones()).cwiseMin(last);
+      for (int i = cl[0]; i <= cm[0]; i++) {
+        for (int j = cl[1]; j <= cm[1]; j++) {
+          Vector3d p = node(i, j, 0);
+          p.x() += 1.234567e-4 * h_;
+          p.y() += 2.345678e-4 * h_;
+          const auto side = [&](const Vector3d& u, const Vector3d& v) {
+            return (v.x() - u.x()) * (p.y() - u.y()) - (v.y() - u.y()) * (p.x() - u.x());
+          };
+          const double wa = side(b, c) / nz, wb = side(c, a) / nz, wc = side(a, b) / nz;
+          if (wa < 0 || wb < 0 || wc < 0) continue;
+          const double z = wa * a.z() + wb * b.z() + wc * c.z();
+          const int k = std::max(static_cast<int>(std::ceil((z - origin_.z()) / h_)), first[2]);
+          if (k <= last[2]) winding[local(i, j, k)] += nz < 0 ? 1 : -1;
+        }
+      }
+    }
+    for (int i = first[0]; i <= last[0]; i++) {
+      for (int j = first[1]; j <= last[1]; j++) {
+        int inside = 0;
+        for (int k = first[2]; k <= last[2]; k++) {
+          inside += winding[local(i, j, k)];
+          const double d2 = distance2[local(i, j, k)];
+          if (inside <= 0 && d2 >= band_ * band_) continue;
+          const double d = std::sqrt(d2);
+          double& value = value_[index(i, j, k)];
+          const double signed_d = inside > 0 ? -d : d;
+          value = cut ? std::max(value, -signed_d) : blend(value, signed_d, fillet_);
+        }
+      }
+    }
+  }
+
+  // Each node towards the mean of its six neighbours; planes stay where they are.
+  void smooth(bool symmetric) {
+    const std::vector<double> old = value_;
+    for (int i = 0; i < size_[0]; i++) {
+      for (int j = 0; j < size_[1]; j++) {
+        for (int k = 0; k < size_[2]; k++) {
+          double sum = 0;
+          for (int step : {-1, 1}) {
+            const int jn = symmetric && j + step < 0 ? 1 : j + step;
+            sum += old[index(std::clamp(i + step, 0, size_[0] - 1), j, k)];
+            sum += old[index(i, std::clamp(jn, 0, size_[1] - 1), k)];
+            sum += old[index(i, j, std::clamp(k + step, 0, size_[2] - 1))];
+          }
+          value_[index(i, j, k)] = 0.5 * old[index(i, j, k)] + sum / 12;
+        }
+      }
+    }
+  }
+
+  // Evens out a mesh of the surface: vertices to the middle of their neighbours and back to the
+  // surface.
+  void relax(TriMesh& mesh, bool symmetric) const {
+    std::vector<Vector3d> sum(mesh.vertices.size());
+    std::vector<double> count(mesh.vertices.size());
+    for (int pass = 0; pass < 6; pass++) {
+      std::fill(sum.begin(), sum.end(), Vector3d::Zero());
+      std::fill(count.begin(), count.end(), 0);
+      for (const auto& f : mesh.faces) {
+        for (int k = 0; k < 3; k++) {
+          sum[f[k]] += mesh.vertices[f[(k + 1) % 3]] + mesh.vertices[f[(k + 2) % 3]];
+          count[f[k]] += 2;
+        }
+      }
+      for (std::size_t i = 0; i < mesh.vertices.size(); i++) {
+        Vector3d& v = mesh.vertices[i];
+        const bool border = symmetric && v.y() == 0;
+        v += 0.6 * (sum[i] / count[i] - v);
+        for (int step = 0; step < 2; step++) {
+          const auto [value, gradient] = sample(v);
+          if (gradient.squaredNorm() > 0.05) v -= value / gradient.squaredNorm() * gradient;
+        }
+        if (border) v.y() = 0;
+      }
+    }
+  }
+
+  // Marching tetrahedra: closed, each edge between two faces (but for the plane y = 0 of a
+  // symmetric field).
+  TriMesh surface() const {
+    TriMesh mesh;
+    std::unordered_map<std::uint64_t, int> on_edge;
+    const auto vertex = [&](const Vector3i& a, const Vector3i& b) {
+      std::uint64_t ia = index(a[0], a[1], a[2]), ib = index(b[0], b[1], b[2]);
+      const double va = value_[ia], vb = value_[ib];
+      if (ia > ib) std::swap(ia, ib);
+      const auto [it, is_new] = on_edge.emplace(ia * value_.size() + ib, mesh.vertices.size());
+      if (is_new) {
+        // Clear of the nodes, where faces would degenerate.
+        const double t = std::clamp(va / (va - vb), 0.04, 0.96);
+        mesh.vertices.push_back((1 - t) * node(a[0], a[1], a[2]) + t * node(b[0], b[1], b[2]));
+      }
+      return it->second;
+    };
+    const auto addFace = [&](int a, int b, int c, const Vector3d& outwards) {
+      const auto& v = mesh.vertices;
+      const bool flip = (v[b] - v[a]).cross(v[c] - v[a]).dot(outwards) < 0;
+      mesh.faces.push_back({a, flip ? c : b, flip ? b : c});
+    };
+    // A cube is cut into six tetrahedra along its diagonal: one for each order of the axes.
+    const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    for (int i = 0; i + 1 < size_[0]; i++) {
+      for (int j = 0; j + 1 < size_[1]; j++) {
+        for (int k = 0; k + 1 < size_[2]; k++) {
+          bool any_in = false, any_out = false;
+          for (int c = 0; c < 8; c++) {
+            const bool in = value_[index(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2))] < 0;
+            (in ? any_in : any_out) = true;
+          }
+          if (!any_in || !any_out) continue;
+          for (const auto& order : orders) {
+            Vector3i corner[4] = {{i, j, k}, {i, j, k}, {i, j, k}, {i, j, k}};
+            for (int s = 0; s < 3; s++) {
+              for (int q = s + 1; q < 4; q++) corner[q][order[s]]++;
+            }
+            std::vector<Vector3i> in, out;
+            for (const Vector3i& c : corner) {
+              (value_[index(c[0], c[1], c[2])] < 0 ? in : out).push_back(c);
+            }
+            if (in.empty() || out.empty()) continue;
+            Vector3d outwards = Vector3d::Zero();
+            for (const Vector3i& c : out) outwards += c.cast<double>() / double(out.size());
+            for (const Vector3i& c : in) outwards -= c.cast<double>() / double(in.size());
+            if (in.size() == 2) {
+              const int a = vertex(in[0], out[0]), b = vertex(in[0], out[1]),
+                        c = vertex(in[1], out[1]), d = vertex(in[1], out[0]);
+              addFace(a, b, c, outwards);
+              addFace(a, c, d, outwards);
+            } else if (in.size() == 1) {
+              addFace(vertex(in[0], out[0]), vertex(in[0], out[1]), vertex(in[0], out[2]),
+                      outwards);
+            } else {
+              addFace(vertex(in[0], out[0]), vertex(in[1], out[0]), vertex(in[2], out[0]),
+                      outwards);
+            }
+          }
+        }
+      }
+    }
+    return mesh;
+  }
+
+ private:
+  // Value and gradient, from the eight nodes around.
+  std::pair<double, Vector3d> sample(const Vector3d& p) const {
+    const Vector3i n = nodeBelow(p).cwiseMax(0).cwiseMin(size_ - Vector3i::Constant(2));
+    const Vector3d t = (p - node(n[0], n[1], n[2])) / h_;
+    double value = 0;
+    Vector3d gradient = Vector3d::Zero();
+    for (int c = 0; c < 8; c++) {
+      const int bit[3] = {c & 1, c >> 1 & 1, c >> 2};
+      const double x = value_[index(n[0] + bit[0], n[1] + bit[1], n[2] + bit[2])];
+      double w[3], dw[3];
+      for (int k = 0; k < 3; k++) {
+        w[k] = bit[k] ? t[k] : 1 - t[k];
+        dw[k] = (bit[k] ? 1 : -1) / h_;
+      }
+      value += w[0] * w[1] * w[2] * x;
+      gradient += x * Vector3d(dw[0] * w[1] * w[2], w[0] * dw[1] * w[2], w[0] * w[1] * dw[2]);
+    }
+    return {value, gradient};
+  }
+
+  Vector3i nodeBelow(const Vector3d& p) const {
+    return ((p - origin_) / h_).array().floor().cast<int>();
+  }
+  Vector3d node(int i, int j, int k) const { return origin_ + h_ * Vector3d(i, j, k); }
+  std::size_t index(int i, int j, int k) const {
+    return (std::size_t(i) * size_[1] + j) * size_[2] + k;
+  }
+
+  const double h_, fillet_, band_;
+  Vector3d origin_;
+  Vector3i size_;
+  std::vector<double> value_;
+};
+
+// Sum of squared distances to planes: x^T A x + 2 b^T x + c.
+struct Quadric {
+  Matrix3d A = Matrix3d::Zero();
+  Vector3d b = Vector3d::Zero();
+  double c = 0;
+  void addPlane(const Vector3d& normal, const Vector3d& point, double weight) {
+    const double d = -normal.dot(point);
+    A += weight * normal * normal.transpose();
+    b += weight * d * normal;
+    c += weight * d * d;
+  }
+  double operator()(const Vector3d& x) const { return x.dot(A * x) + 2 * b.dot(x) + c; }
+};
+
+class Simplifier {
+ public:
+  explicit Simplifier(const TriMesh& mesh) : v_(mesh.vertices), f_(mesh.faces) {
+    const std::size_t n = v_.size();
+    faces_of_.resize(n);
+    quadric_.resize(n);
+    version_.assign(n, 0);
+    border_.assign(n, false);
+    alive_.assign(f_.size(), true);
+    count_ = static_cast<int>(f_.size());
+    std::vector<std::pair<int, int>> edges;
+    for (std::size_t i = 0; i < f_.size(); i++) {
+      const auto& f = f_[i];
+      const Vector3d cross = (v_[f[1]] - v_[f[0]]).cross(v_[f[2]] - v_[f[0]]);
+      for (int k = 0; k < 3; k++) {
+        faces_of_[f[k]].push_back(static_cast<int>(i));
+        edges.push_back({f[k], f[(k + 1) % 3]});
+        if (cross.norm() > 0) {
+          quadric_[f[k]].addPlane(cross.normalized(), v_[f[0]], cross.norm() / 6);
+        }
+      }
+    }
+    std::sort(edges.begin(), edges.end());
+    const auto open = [&](int a, int b) {
+      return !std::binary_search(edges.begin(), edges.end(), std::make_pair(b, a));
+    };
+    for (const auto& [a, b] : edges) {
+      if (open(a, b)) border_[a] = border_[b] = true;
+    }
+    for (const auto& [a, b] : edges) {
+      if (a < b || open(a, b)) push(a, b);
+    }
+  }
+
+  TriMesh run(int max_faces) {
+    while (count_ > max_faces && !heap_.empty()) {
+      const Candidate c = heap_.top();
+      heap_.pop();
+      if (c.version_a == version_[c.a] && c.version_b == version_[c.b]) collapse(c);
+    }
+    TriMesh out;
+    std::vector<int> renamed(v_.size(), -1);
+    for (std::size_t i = 0; i < f_.size(); i++) {
+      if (!alive_[i]) continue;
+      std::array<int, 3> f;
+      for (int k = 0; k < 3; k++) {
+        int& name = renamed[f_[i][k]];
+        if (name < 0) {
+          name = static_cast<int>(out.vertices.size());
+          out.vertices.push_back(v_[f_[i][k]]);
+        }
+        f[k] = name;
+      }
+      out.faces.push_back(f);
+    }
+    return out;
+  }
+
+ private:
+  struct Candidate {
+    double cost;
+    int a, b, version_a, version_b;
+    Vector3d place;
+    int tries;
+    bool operator<(const Candidate& other) const { return cost > other.cost; }
+  };
+
+  void push(int a, int b) {
+    Quadric q = quadric_[a];
+    q.A += quadric_[b].A;
+    q.b += quadric_[b].b;
+    q.c += quadric_[b].c;
+    const Vector3d edge = v_[b] - v_[a], middle = 0.5 * (v_[a] + v_[b]);
+    // Towards the middle a little: flat places would leave the best place open.
+    const double area = std::max(q.A.trace(), 1e-18), keep = 2e-3 * area;
+    Matrix3d A = q.A + keep * Matrix3d::Identity();
+    Vector3d rhs = -q.b + keep * middle;
+    const bool border = border_[a] || border_[b];
+    if (border) {
+      A(1, 1) += 1e3 * area;
+      A(1, 0) = A(0, 1) = A(1, 2) = A(2, 1) = 0;
+      rhs.y() = 0;
+    }
+    Vector3d place = A.inverse() * rhs;
+    if (border) place.y() = 0;
+    if (!((place - middle).norm() < edge.norm())) {
+      place = middle;
+      if (border) place.y() = 0;
+    }
+    // Among flat places short edges go first, for even faces.
+    const double cost = std::max(q(place), 0.0) + 3e-4 * area * edge.squaredNorm();
+    heap_.push({cost, a, b, version_[a], version_[b], place, 0});
+  }
+
+  std::vector<int> neighbours(int a) const {  // ascending
+    std::vector<int> out;
+    for (int i : faces_of_[a]) {
+      for (int k : f_[i]) {
+        if (k != a) out.push_back(k);
+      }
+    }
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+  }
+
+  void collapse(const Candidate& c) {
+    // The surface stays a surface if the two ends share just the neighbours opposite the edge.
+    const std::vector<int> na = neighbours(c.a), nb = neighbours(c.b);
+    int shared_faces = 0, shared = 0;
+    for (int i : faces_of_[c.a]) shared_faces += contains(i, c.b);
+    for (int i : na) shared += std::binary_search(nb.begin(), nb.end(), i);
+    if (shared_faces == 0 || shared != shared_faces) return;
+    if (border_[c.a] && border_[c.b] && shared_faces != 1) return;
+    if (na.size() + nb.size() < 8) return;
+    for (int end : {c.a, c.b}) {
+      for (int i : faces_of_[end]) {
+        if (contains(i, c.a) && contains(i, c.b)) continue;
+        Vector3d p[3];
+        for (int k = 0; k < 3; k++) p[k] = v_[f_[i][k]];
+        const double was = quality(p);
+        const Vector3d before = (p[1] - p[0]).cross(p[2] - p[0]);
+        for (int k = 0; k < 3; k++) {
+          if (f_[i][k] == end) p[k] = c.place;
+        }
+        const double is = quality(p);
+        const Vector3d after = (p[1] - p[0]).cross(p[2] - p[0]);
+        const bool sliver = is < 0.15 && is < was;
+        const bool fold = was > 0.05 && before.dot(after) < 0.3 * before.norm() * after.norm();
+        if (sliver || fold) {
+          // Later perhaps, when the neighbours have changed.
+          if (c.tries < 3) {
+            Candidate again = c;
+            again.cost *= 30;
+            again.tries++;
+            heap_.push(again);
+          }
+          return;
+        }
+      }
+    }
+    v_[c.a] = c.place;
+    quadric_[c.a].A += quadric_[c.b].A;
+    quadric_[c.a].b += quadric_[c.b].b;
+    quadric_[c.a].c += quadric_[c.b].c;
+    border_[c.a] = border_[c.a] || border_[c.b];
+    for (int i : faces_of_[c.b]) {
+      if (contains(i, c.a)) {
+        alive_[i] = false;
+        count_--;
+        continue;
+      }
+      for (int& k : f_[i]) {
+        if (k == c.b) k = c.a;
+      }
+      faces_of_[c.a].push_back(i);
+    }
+    for (int i : neighbours(c.a)) removeDead(i);
+    removeDead(c.a);
+    faces_of_[c.b].clear();
+    version_[c.b]++;
+    version_[c.a]++;
+    for (int i : neighbours(c.a)) push(c.a, i);
+  }
+
+  // Height over the longest edge, about: 0 for a sliver, 0.87 for an equilateral triangle.
+  static double quality(const Vector3d p[3]) {
+    const double longest = std::max(
+        {(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()});
+    return (p[1] - p[0]).cross(p[2] - p[0]).norm() / longest;
+  }
+
+  bool contains(int face, int vertex) const {
+    const auto& f = f_[face];
+    return f[0] == vertex || f[1] == vertex || f[2] == vertex;
+  }
+  void removeDead(int vertex) {
+    auto& faces = faces_of_[vertex];
+    faces.erase(std::remove_if(faces.begin(), faces.end(), [&](int i) { return !alive_[i]; }),
+                faces.end());
+  }
+
+  std::vector<Vector3d> v_;
+  std::vector<std::array<int, 3>> f_;
+  std::vector<std::vector<int>> faces_of_;
+  std::vector<Quadric> quadric_;
+  std::vector<int> version_;
+  std::vector<bool> border_, alive_;
+  std::priority_queue<Candidate> heap_;
+  int count_;
+};
+
+// A mesh with an open edge in the plane y = 0 and its mirror image, joined there.
+TriMesh joinedWithMirror(const TriMesh& half) {
+  TriMesh mesh = half;
+  std::vector<int> image(half.vertices.size());
+  for (std::size_t i = 0; i < half.vertices.size(); i++) {
+    Vector3d v = half.vertices[i];
+    image[i] = static_cast<int>(i);
+    if (v.y() == 0) continue;
+    image[i] = static_cast<int>(mesh.vertices.size());
+    v.y() = -v.y();
+    mesh.vertices.push_back(v);
+  }
+  for (const auto& f : half.faces) mesh.faces.push_back({image[f[0]], image[f[2]], image[f[1]]});
+  return mesh;
+}
+
+}  // namespace
+
+std::vector<TriMesh> connectedParts(const TriMesh& mesh) {
+  std::vector<int> root(mesh.vertices.size());
+  for (std::size_t i = 0; i < root.size(); i++) root[i] = static_cast<int>(i);
+  const auto find = [&](int i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  for (const auto& f : mesh.faces) {
+    root[find(f[0])] = find(f[1]);
+    root[find(f[1])] = find(f[2]);
+  }
+  std::map<int, TriMesh> parts;
+  std::vector<int> renamed(mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.vertices.size(); i++) {
+    TriMesh& part = parts[find(static_cast<int>(i))];
+    renamed[i] = static_cast<int>(part.vertices.size());
+    part.vertices.push_back(mesh.vertices[i]);
+  }
+  for (const auto& f : mesh.faces) {
+    parts[find(f[0])].faces.push_back({renamed[f[0]], renamed[f[1]], renamed[f[2]]});
+  }
+  std::vector<TriMesh> out;
+  for (auto& [r, part] : parts) out.push_back(std::move(part));
+  return out;
+}
+
+TriMesh simplified(const TriMesh& mesh, int max_faces) { return Simplifier(mesh).run(max_faces); }
+
+TriMesh fuse(const TriMesh& shells, const FuseOptions& options, const TriMesh& cut) {
+  AlignedBox3d box;
+  for (const Vector3d& v : shells.vertices) box.extend(v);
+  Field field(box, options);
+  for (const TriMesh& shell : connectedParts(shells)) field.add(shell);
+  for (const TriMesh& shell : connectedParts(cut)) field.add(shell, true);
+  for (int i = 0; i < options.smoothing; i++) field.smooth(options.symmetric);
+  TriMesh surface = field.surface();
+  field.relax(surface, options.symmetric);
+  if (!options.symmetric) return simplified(surface, options.max_faces);
+  return joinedWithMirror(simplified(surface, options.max_faces / 2));
+}
+
+}  // namespace torso

@@ -1,0 +1,170 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+
+// All of MuJoCo's integrators, solvers and Jacobians, and its finite differences, work on the
+// torso.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/plugin/fixture.h"
+
+namespace torso {
+namespace {
+
+class IntegratorTest : public PluginTest, public ::testing::WithParamInterface<int> {};
+
+// Dropped on the floor with the servos at work. The fixture fails on warnings, which is how MuJoCo
+// reports an unstable simulation.
+TEST_P(IntegratorTest, RunsASecond) {
+  const ModelPtr m = loadModel("human.xml");
+  m->opt.integrator = GetParam();
+  const DataPtr d = makeData(m.get());
+  randomControls(m.get(), d.get(), 0.3, 4);
+  while (d->time < 1) {
+    mj_step(m.get(), d.get());
+    for (int i = 0; i < torsoOf(m.get()).ndisc; i++) {
+      mjtNum ratio[3];
+      ASSERT_EQ(torso_discThickness(m.get(), d.get(), i, ratio), 0);
+      ASSERT_GT(ratio[0], 0.2) << torso_discName(m.get(), i) << " at " << d->time;
+      ASSERT_LT(ratio[2], 3) << torso_discName(m.get(), i) << " at " << d->time;
+    }
+  }
+  for (int i = 0; i < m->nq; i++) ASSERT_TRUE(std::isfinite(d->qpos[i]));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, IntegratorTest,
+                         ::testing::Values(mjINT_EULER, mjINT_RK4, mjINT_IMPLICIT),
+                         [](const auto& info) {
+                           return info.param == mjINT_EULER ? "Euler"
+                                  : info.param == mjINT_RK4 ? "RK4"
+                                                            : "Implicit";
+                         });
+
+class DerivativeTest : public PluginTest {
+ protected:
+  static DataPtr busyData(const mjModel* m) {
+    DataPtr d = makeData(m);
+    randomControls(m, d.get(), 0.3, 5);
+    for (int i = 0; i < 50; i++) mj_step(m, d.get());
+    return d;
+  }
+};
+
+TEST_F(DerivativeTest, TransitionMatricesAreThoseOfTheStep) {
+  const ModelPtr m = loadModel("torso.xml");
+  const DataPtr d = busyData(m.get());
+  const int n = 2 * m->nv + m->na;
+  std::vector<mjtNum> A(n * n), B(n * m->nu);
+  const double eps = 1e-6;
+  mjd_transitionFD(m.get(), d.get(), eps, 1, A.data(), B.data(), nullptr, nullptr);
+  for (mjtNum x : A) ASSERT_TRUE(std::isfinite(x));
+  for (mjtNum x : B) ASSERT_TRUE(std::isfinite(x));
+
+  // Against steps of our own: some columns of velocity and of control.
+  const auto step = [&](int dof, int control, double change) {
+    DataPtr copy = copyData(m.get(), d.get());
+    if (dof >= 0) copy->qvel[dof] += change;
+    if (control >= 0) copy->ctrl[control] += change;
+    mj_step(m.get(), copy.get());
+    return copy;
+  };
+  const auto check = [&](int dof, int control, const mjtNum* matrix, int columns, int column) {
+    const DataPtr plus = step(dof, control, eps), minus = step(dof, control, -eps);
+    double error = 0, scale = 0;
+    for (int i = 0; i < m->nv; i++) {
+      const double expected = (plus->qvel[i] - minus->qvel[i]) / (2 * eps);
+      error = std::max(error, std::abs(matrix[(m->nv + i) * columns + column] - expected));
+      scale = std::max(scale, std::abs(expected));
+    }
+    EXPECT_GT(scale, 0);
+    EXPECT_LT(error, 1e-3 * scale) << "dof " << dof << ", control " << control;
+  };
+  for (int dof : {0, 5, 40, m->nv - 1}) check(dof, -1, A.data(), n, m->nv + dof);
+  for (int control : {0, 30}) check(-1, control, B.data(), m->nu, control);
+}
+
+TEST_F(DerivativeTest, FiniteDifferencesLeaveNoTrace) {
+  const ModelPtr m = loadModel("torso.xml");
+  m->opt.disableflags |= mjDSBL_WARMSTART;
+  const DataPtr plain = busyData(m.get());
+  const DataPtr differentiated = copyData(m.get(), plain.get());
+  const int n = 2 * m->nv + m->na;
+  std::vector<mjtNum> A(n * n);
+  mjd_transitionFD(m.get(), differentiated.get(), 1e-6, 0, A.data(), nullptr, nullptr, nullptr);
+  for (int i = 0; i < m->nq; i++) ASSERT_EQ(differentiated->qpos[i], plain->qpos[i]);
+  for (int i = 0; i < m->nv; i++) ASSERT_EQ(differentiated->qvel[i], plain->qvel[i]);
+  ASSERT_EQ(differentiated->time, plain->time);
+  for (int i = 0; i < 10; i++) {
+    mj_step(m.get(), plain.get());
+    mj_step(m.get(), differentiated.get());
+  }
+  EXPECT_EQ(differences(m.get(), plain.get(), differentiated.get()), "");
+}
+
+// mj_fwdVelocity alone runs the callback again on constraint rows that it has rewritten already.
+TEST_F(DerivativeTest, CallbackMayRunAgainOnItsOwnRows) {
+  const ModelPtr m = loadModel("torso.xml");
+  m->opt.disableflags |= mjDSBL_WARMSTART;
+  const DataPtr d = busyData(m.get());
+  mj_forward(m.get(), d.get());
+  const DataPtr once = copyData(m.get(), d.get());
+  mj_forwardSkip(m.get(), d.get(), mjSTAGE_POS, 0);
+  EXPECT_EQ(differences(m.get(), once.get(), d.get()), "");
+}
+
+TEST_F(DerivativeTest, InverseDynamicsReturnsTheAppliedForces) {
+  const ModelPtr m = loadModel("torso.xml");
+  const DataPtr d = busyData(m.get());
+  for (int i = 0; i < m->nv; i++) d->qfrc_applied[i] = std::sin(i);
+  m->opt.enableflags |= mjENBL_FWDINV;
+  mj_forward(m.get(), d.get());
+  // Norms of the differences in constraint force and applied force.
+  EXPECT_LT(d->solver_fwdinv[0], 1e-4);
+  EXPECT_LT(d->solver_fwdinv[1], 1e-4);
+}
+
+// One state, solved in other ways.
+class SolverTest : public DerivativeTest {
+ protected:
+  // Largest difference of accelerations over the largest acceleration.
+  static double difference(const mjModel* m, const mjData* one, const mjData* two) {
+    double error = 0, scale = 0;
+    for (int i = 0; i < m->nv; i++) {
+      error = std::max(error, std::abs(one->qacc[i] - two->qacc[i]));
+      scale = std::max(scale, std::abs(one->qacc[i]));
+    }
+    return error / scale;
+  }
+};
+
+TEST_F(SolverTest, DenseJacobianGivesTheSameAccelerations) {
+  const ModelPtr m = loadModel("torso.xml");
+  const DataPtr sparse = busyData(m.get());
+  mj_forward(m.get(), sparse.get());
+  m->opt.jacobian = mjJAC_DENSE;
+  const DataPtr dense = makeData(m.get());
+  mju_copy(dense->qpos, sparse->qpos, m->nq);
+  mju_copy(dense->qvel, sparse->qvel, m->nv);
+  mju_copy(dense->ctrl, sparse->ctrl, m->nu);
+  mju_copy(dense->userdata, sparse->userdata, m->nuserdata);
+  dense->time = sparse->time;
+  mj_forward(m.get(), dense.get());
+  EXPECT_EQ(dense->nefc, sparse->nefc);
+  EXPECT_LT(difference(m.get(), sparse.get(), dense.get()), 1e-6);
+}
+
+TEST_F(SolverTest, ConjugateGradientGivesTheSameAccelerations) {
+  const ModelPtr m = loadModel("torso.xml");
+  const DataPtr newton = busyData(m.get());
+  const DataPtr cg = copyData(m.get(), newton.get());
+  mj_forward(m.get(), newton.get());
+  m->opt.solver = mjSOL_CG;
+  m->opt.iterations = 1000;
+  mj_forward(m.get(), cg.get());
+  EXPECT_LT(difference(m.get(), newton.get(), cg.get()), 1e-3);
+}
+
+}  // namespace
+}  // namespace torso

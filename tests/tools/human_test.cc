@@ -1,0 +1,105 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+
+// What the command says of the models that come with the project.
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/tools/command_fixture.h"
+#include "tools/mujoco_support.h"
+
+namespace torso::tools {
+namespace {
+
+using nlohmann::json;
+
+class Human : public Command {};
+
+const std::string kHuman = TORSO_MJCF "/human.xml";
+
+// The counts of the design: see README.
+TEST_F(Human, HasTheCountsOfItsDesign) {
+  const json info = runJson("info --json " + kHuman);
+  EXPECT_EQ(info["dof"], 195);
+  EXPECT_EQ(info["free_joints"], 24);
+  EXPECT_EQ(info["ball_joints"], 17);
+  EXPECT_EQ(info["ligament_segments"], 440);
+  EXPECT_EQ(info["facets"], 74);
+  EXPECT_EQ(info["facet_points"], 4 * 74);
+  EXPECT_NEAR(info["mass_kg"], 72, 0.5);
+  EXPECT_NEAR(info["stature_m"], 1.70, 0.01);
+  ASSERT_EQ(info["discs"].size(), 23u);
+  EXPECT_EQ(info["discs"].front()["name"], "L5/S1");
+  EXPECT_EQ(info["discs"].back()["name"], "C2/C3");
+  for (const json& disc : info["discs"]) {
+    EXPECT_GE(disc["nodes"], 127) << disc;
+    EXPECT_LE(disc["nodes"], 285) << disc;
+    EXPECT_GE(disc["tets"], 307) << disc;
+    EXPECT_LE(disc["tets"], 1090) << disc;
+  }
+}
+
+// 2 m drop with random controls. The full check has 100 seeds of 5 s; see tools/test.
+void expectSound(const json& j, int runs) {
+  EXPECT_EQ(j["runs"], runs);
+  EXPECT_EQ(j["failed"], 0);
+  EXPECT_EQ(j["warnings"], 0);
+  EXPECT_EQ(j["bodies_on_floor"], 1);
+  EXPECT_GT(j["min_disc_thickness_ratio"], 0.2);
+  EXPECT_LT(j["max_disc_thickness_ratio"], 3);
+  // A drop from 2 m is no light load.
+  EXPECT_GT(j["max_disc_pressure_mpa"], 1);
+  EXPECT_LT(j["min_disc_thickness_ratio"], 0.95);
+  EXPECT_GT(j["ligament_violation_mm"]["max"], 0);
+  EXPECT_GT(j["facet_violation_mm"]["max"], 0);
+  EXPECT_EQ(j["dof"], 195);
+}
+
+TEST_F(Human, SurvivesADropAt600Hz) {
+  expectSound(
+      runJson("run --json --drop 2 --control random --seeds 2 --seconds 3 --threads 2 " + kHuman),
+      2);
+}
+
+TEST_F(Human, SurvivesADropAt200Hz) {
+  expectSound(runJson("run --json --drop 2 --control random --seeds 2 --seconds 3 --threads 2 "
+                      "--timestep 0.005 " +
+                      kHuman),
+              2);
+}
+
+TEST_F(Human, GivesTheSameBitsOnAnyNumberOfThreads) {
+  const std::string arguments =
+      "run --json --drop 0.1 --control random --seeds 4 --seconds 0.4 " + kHuman;
+  json one = runJson(arguments + " --threads 1");
+  json four = runJson(arguments + " --threads 4");
+  for (const char* key : {"core_s", "wall_s", "real_time_factor"}) {
+    one.erase(key);
+    four.erase(key);
+  }
+  EXPECT_EQ(one, four);
+}
+
+// The stock viewer draws at most 5000 shapes, and nothing if there are more.
+TEST_F(Human, FitsIntoTheViewer) {
+  const ModelPtr m = loadModel(kHuman);
+  const DataPtr d = makeData(m.get());
+  mj_forward(m.get(), d.get());
+  mjvScene scene;
+  mjv_defaultScene(&scene);
+  mjv_makeScene(m.get(), &scene, 5000);
+  mjvOption option;
+  mjv_defaultOption(&option);
+  mjvCamera camera;
+  mjv_defaultFreeCamera(m.get(), &camera);
+  for (int group = 0; group < mjNGROUP; group++) option.geomgroup[group] = 1;
+  mjv_updateScene(m.get(), d.get(), &option, nullptr, &camera, mjCAT_ALL, &scene);
+  EXPECT_EQ(d->warning[mjWARN_VGEOMFULL].number, 0);
+  EXPECT_GT(scene.ngeom, m->ntendon);
+  EXPECT_LT(scene.ngeom, 2500);  // with room for contacts and joints
+  mjv_freeScene(&scene);
+}
+
+}  // namespace
+}  // namespace torso::tools
