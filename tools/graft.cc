@@ -112,7 +112,7 @@ void setSetting(XMLElement* root, const char* name, const char* attribute,
 class Grafter {
  public:
   Grafter(const Anatomy& anatomy, const GraftOptions& options)
-      : table_size_(anatomy), o_(options), host_(options.input), parts_(recognise(host_)) {}
+      : table_size_(anatomy), o_(options), host_(options.input) {}
 
   GraftReport run();
 
@@ -215,16 +215,13 @@ void Grafter::checkSettings() {
         "<compiler coordinate=\"global\"> is not supported; save the model with MuJoCo first, "
         "which writes local coordinates");
   }
-  if (host_.root->FirstChildElement("custom")) {
-    forEachSection(host_.root, "custom", [&](XMLElement* s) {
-      for (XMLElement* e = s->FirstChildElement("numeric"); e;
-           e = e->NextSiblingElement("numeric")) {
-        if (text(e, "name") == ours("mujoco_torso")) {
-          fail("it has a torso of ours already; give the second one a --prefix");
-        }
+  forEachSection(host_.root, "custom", [&](XMLElement* s) {
+    for (XMLElement* e = s->FirstChildElement("numeric"); e; e = e->NextSiblingElement("numeric")) {
+      if (text(e, "name") == ours("mujoco_torso")) {
+        fail("it has a torso of ours already; give a second one a --prefix");
       }
-    });
-  }
+    }
+  });
 }
 
 std::string Grafter::bodyName(const std::string& body) const {
@@ -454,7 +451,6 @@ bool Grafter::dropReferences(XMLElement* list, const std::string& tag) {
   for (XMLElement* e = list->FirstChildElement(); e;) {
     XMLElement* next = e->NextSiblingElement();
     std::string missing;
-    std::vector<std::pair<XMLElement*, std::string>> remapped;
     XMLElement* holder = Element(host_.root, tag.c_str());
     XMLNode* previous = e->PreviousSibling();
     holder->InsertEndChild(e);
@@ -501,7 +497,7 @@ void Grafter::dropReferences() {
   for (bool again = true; again;) {
     again = false;
     for (const char* tag :
-         {"worldbody", "contact", "equality", "tendon", "actuator", "sensor", "custom"}) {
+         {"worldbody", "asset", "contact", "equality", "tendon", "actuator", "sensor", "custom"}) {
       forEachSection(host_.root, tag, [&](XMLElement* s) { again |= dropReferences(s, tag); });
     }
   }
@@ -1039,6 +1035,12 @@ GraftReport Grafter::run() {
     throw Error(o_.output + ": is the humanoid itself; name another file");
   }
   checkSettings();
+  try {
+    parts_ = recognise(host_);
+  } catch (const Error&) {
+    if (torsoOf(host_.model.get(), o_.input).ntorso == 0) throw;
+    fail("it has a torso of ours already, and no other humanoid");
+  }
   fit();
   isolateDefaults();
   takeLimbs();

@@ -5,10 +5,13 @@
 #include "tools/graft.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
@@ -353,6 +356,32 @@ TEST_F(Graft, DryRunWritesNothing) {
   const GraftReport report = graft(anatomy(), {kHumanoid, at("out.xml"), "", true});
   EXPECT_EQ(report.limb_joints, 18);
   EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+// As a user runs it.
+TEST_F(Graft, CommandReportsAndExits) {
+  const auto run = [&](const std::string& arguments) {
+    const std::string line = "cd " + folder_.string() + " && " TORSO_COMMAND " graft " + arguments +
+                             " > out.txt 2> err.txt < /dev/null";
+    return WEXITSTATUS(std::system(line.c_str()));
+  };
+  EXPECT_EQ(run(std::string(kHumanoid) + " -o h.xml --json"), 0);
+  EXPECT_EQ(readFile(at("err.txt")), "");
+  const auto json = nlohmann::json::parse(readFile(at("out.txt")), nullptr, false);
+  EXPECT_NEAR(json["mass_after_kg"], json["mass_before_kg"], 1e-3);
+  EXPECT_FALSE(json["changes"].empty());
+  EXPECT_TRUE(fs::exists(at("torso_assets/ribcage.stl")));
+
+  EXPECT_EQ(run("h.xml -o again.xml"), 1);
+  EXPECT_EQ(readFile(at("err.txt")),
+            "torso graft: h.xml: it has a torso of ours already; give a second one a --prefix\n");
+  EXPECT_EQ(run("h.xml -o again.xml --prefix b_"), 1);
+  EXPECT_EQ(readFile(at("err.txt")),
+            "torso graft: h.xml: it has a torso of ours already, and no other humanoid\n");
+  EXPECT_EQ(run("missing.xml -o again.xml"), 1);
+  EXPECT_EQ(readFile(at("err.txt")).rfind("torso graft: missing.xml: no such file", 0), 0u);
+  EXPECT_EQ(run("h.xml"), 2);
+  EXPECT_FALSE(fs::exists(at("again.xml")));
 }
 
 TEST_F(Graft, SaysWhatIsMissing) {
