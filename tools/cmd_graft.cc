@@ -72,7 +72,10 @@ void addGraft(CLI::App& app) {
   command->add_flag("--dry-run", options->graft.dry_run, "Report, but write nothing");
   command->add_flag("--json", options->json, "Print the report as JSON on stdout");
   command->callback([options] {
-    if (options->anatomy.empty()) options->anatomy = anatomyFolder();
+    if (options->anatomy.empty()) {
+      options->anatomy = anatomyFolder();
+      options->graft.meshes = mjcfFolder() + "/assets";
+    }
     const GraftReport report = graft(Anatomy::load(options->anatomy), options->graft);
     if (options->json) {
       std::cout << describe(report, options->graft).dump(2) << '\n';

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <sstream>
 #include <tuple>
@@ -145,9 +146,8 @@ class Grafter {
   void placeFiles(XMLElement* root, const fs::path& folder) const;
   void exclude(const std::string& one, const std::string& two, const char* why);
   void excludeOverlaps(const mjModel* m);
-  ModelPtr loadStaged();
+  std::vector<std::pair<std::string, std::string>> boneMeshes() const;
   void check(const mjModel* m);
-  void write();
 
   std::string ours(const std::string& name) const { return o_.prefix + name; }
   // Name that our body has in the result.
@@ -1029,6 +1029,30 @@ void Grafter::check(const mjModel* m) {
   }
 }
 
+// Names and contents of the STL files, at the size of the tables.
+std::vector<std::pair<std::string, std::string>> Grafter::boneMeshes() const {
+  std::vector<std::pair<std::string, std::string>> meshes;
+  for (const std::string& body : mjcfBodies(table_size_, MjcfOptions())) {
+    if (o_.meshes.empty()) {
+      for (const BonePart& part : boneMesh(table_size_, body)) {
+        const TriMesh local = transformed(part.mesh, bodyFrame(table_size_, body).inverse());
+        meshes.emplace_back(boneMeshName(body, part.tissue) + ".stl", toStl(local));
+      }
+      continue;
+    }
+    for (const Tissue tissue : boneTissues(table_size_, body)) {
+      const std::string name = boneMeshName(body, tissue) + ".stl";
+      const std::string path = (fs::path(o_.meshes) / name).string();
+      std::ifstream file(path, std::ios::binary);
+      std::ostringstream content;
+      content << file.rdbuf();
+      if (!file) throw Error(path + ": cannot read this bone mesh; run `torso build`");
+      meshes.emplace_back(name, content.str());
+    }
+  }
+  return meshes;
+}
+
 GraftReport Grafter::run() {
   std::error_code error;
   if (fs::equivalent(o_.input, o_.output, error)) {
@@ -1062,13 +1086,7 @@ GraftReport Grafter::run() {
     exclude(thigh, bodyName("L4"), why);
   }
 
-  std::vector<std::pair<std::string, std::string>> meshes;
-  for (const std::string& body : mjcfBodies(table_size_, MjcfOptions())) {
-    for (const BonePart& part : boneMesh(table_size_, body)) {
-      meshes.emplace_back(boneMeshName(body, part.tissue) + ".stl",
-                          toStl(transformed(part.mesh, bodyFrame(table_size_, body).inverse())));
-    }
-  }
+  const std::vector<std::pair<std::string, std::string>> meshes = boneMeshes();
   const auto place = [this](XMLElement* root, const fs::path& folder) { placeFiles(root, folder); };
   const TemporaryFolder stage;
   const std::string staged = stage.path + "/" + fs::path(o_.output).filename().string();

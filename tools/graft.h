@@ -12,6 +12,7 @@ struct GraftOptions {
   std::string input, output;  // MJCF files
   std::string prefix;         // put before every name of the torso
   bool dry_run = false;       // do all but write
+  std::string meshes;  // folder of the bone meshes of `torso build`; "": make them, some seconds
 };
 
 // One element of the humanoid or of our torso that is not as it was.
