@@ -482,18 +482,14 @@ void Writer::writeContacts() {
   }
 }
 
-// Lower limit of a ligament's length, never met. With 0 MuJoCo would add constraint rows for
-// ligaments shorter than their margin, and draw slack ones as hanging strings of so many pieces
-// that the viewer has no room for the body.
-constexpr double kNoLowerLimit = -1;
-
 void Writer::writeTendons() {
   Element tendons(root_, "tendon");
   for (const LigamentSegment& s : ligaments_) {
     Element spatial(tendons, "spatial");
     spatial.set("name", named(s.name))
         .set("class", named("ligament"))
-        // A lower bound of 0 would make the viewer draw each as a sagging chain of 30 geoms.
+        // A lower limit that is never met: with 0 MuJoCo would draw slack ligaments as hanging
+        // strings of so many pieces that the viewer has no room for the body.
         .set("range", {-s.max_length, s.max_length});
     Element(spatial, "site").set("site", named(s.name + "_lower"));
     Element(spatial, "site").set("site", named(s.name + "_upper"));
