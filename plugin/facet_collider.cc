@@ -62,7 +62,7 @@ int collideFacet(const mjModel* m, const mjData* d, const FacetEntry& facet, mjC
                                       m->geom_size[3 * facet.ellipsoid_geom]);
   if (now.violation + 2 * approach + near <= 0) return 0;
   // The contact pushes geom1, the point, against the frame's first axis.
-  con->dist = limitGap(-now.violation, -then.violation) - kFacetLookAhead;
+  con->dist = kFacetDistance;
   mju_copy3(con->pos, point);
   mju_scl3(con->frame, then.normal.data(), -1);
   mju_zero3(con->frame + 3);

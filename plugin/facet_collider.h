@@ -14,8 +14,8 @@ FacetGap pointGap(const mjModel* m, const mjData* d, const FacetEntry& facet, in
 // A frictionless contact that keeps the point in its band; returns the number of contacts. There is
 // one if the point is beyond the band or would, at its present speed, leave it within two steps:
 // the constraint then acts in the step in which the band would be left, not after it. Its normal is
-// that of the place where the point is going. contact.dist is the law's gap (limit.h) less
-// kFacetLookAhead, which makes MuJoCo include the contact.
+// that of the place where the point is going. contact.dist is always kFacetDistance, which makes
+// MuJoCo include the contact; rewriteLimits puts the law's gap into its row.
 int collideFacet(const mjModel* m, const mjData* d, const FacetEntry& facet, mjContact* con,
                  int point_geom);
 
@@ -23,6 +23,6 @@ int collideFacet(const mjModel* m, const mjData* d, const FacetEntry& facet, mjC
 // change them without detecting collisions again, so contact.dist may be out of date.
 double facetLimitGap(const mjModel* m, const mjData* d, const FacetEntry& facet, int point_geom);
 
-inline constexpr double kFacetLookAhead = 1;  // [m], more than any gap
+inline constexpr double kFacetDistance = -1;  // [m], below the gap of the MJCF's facet pairs
 
 }  // namespace torso::plugin

@@ -171,7 +171,7 @@ void applyDiscs(const mjModel* m, mjData* d, const Instance& instance) {
 
   for (int i = 0; i < nd; i++) {
     const DiscEntry& disc = instance.discs[i];
-    const DiscPose X = placeDisc(d, disc).world;
+    const DiscPose X = worldFrame(d, disc.lower_body, disc.lower_frame);
     const Vector3d force = X.rotation * wrenches[i].force;
     const Vector3d moment = X.rotation * wrenches[i].moment;
     addWrench(m, d, disc.upper_body, force, moment, X.position, d->qfrc_passive);
