@@ -63,6 +63,26 @@ Vertebra readVertebra(const CsvTable& t, int i) {
   return v;
 }
 
+const char* regionName(Region region) {
+  return region == Region::kLumbar     ? "lumbar"
+         : region == Region::kThoracic ? "thoracic"
+                                       : "cervical";
+}
+
+// The material of the disc's region.
+void readMaterial(const CsvTable& t, Disc* disc) {
+  const int i = t.find("region", regionName(disc->region));
+  DiscMaterial& m = disc->material;
+  m.annulus_modulus = t.number(i, "annulus_modulus_mpa") * 1e6;
+  m.annulus_poisson = t.number(i, "annulus_poissons_ratio");
+  m.fibre_modulus = t.number(i, "fibre_modulus_mpa") * 1e6;
+  m.fibre_stiffening = t.number(i, "fibre_stiffening");
+  m.fibre_angle = t.number(i, "fibre_angle_deg") * kDeg;
+  m.nucleus_modulus = t.number(i, "nucleus_modulus_mpa") * 1e6;
+  m.nucleus_bulk_modulus = t.number(i, "nucleus_bulk_modulus_mpa") * 1e6;
+  disc->retardation_time = t.number(i, "retardation_time_s");
+}
+
 // Outward normal of a left superior facet. It starts as z (a horizontal face looks up), leans back
 // by the angle to the transverse plane, and then turns about the vertical: positive towards the
 // mid-line, away from the frontal plane.
@@ -89,7 +109,7 @@ Anatomy Anatomy::load(const std::string& folder) {
   a.c2 = a.vertebrae.back();
   a.vertebrae.pop_back();
 
-  const CsvTable discs(folder + "/discs.csv");
+  const CsvTable discs(folder + "/discs.csv"), disc_materials(folder + "/disc_materials.csv");
   for (int i = 0; i < discs.rows(); i++) {
     Disc d;
     d.name = discs.text(i, "disc");
@@ -98,8 +118,8 @@ Anatomy Anatomy::load(const std::string& folder) {
     d.shape = {discs.number(i, "width_mm") * kMm, discs.number(i, "depth_mm") * kMm,
                discs.number(i, "height_anterior_mm") * kMm,
                discs.number(i, "height_posterior_mm") * kMm};
-    d.material = {discs.number(i, "youngs_modulus_mpa") * 1e6, discs.number(i, "poissons_ratio")};
-    d.retardation_time = discs.number(i, "retardation_time_s");
+    d.region = a.vertebra(d.upper).region;
+    readMaterial(disc_materials, &d);
     d.frame = pitched({discs.number(i, "x_mm") * kMm, 0, discs.number(i, "z_mm") * kMm},
                       discs.number(i, "pitch_deg") * kDeg);
     a.discs.push_back(d);
@@ -270,7 +290,10 @@ Anatomy Anatomy::scaled(double length, double mass) const {
          {&d.shape.width, &d.shape.depth, &d.shape.height_anterior, &d.shape.height_posterior}) {
       *x *= length;
     }
-    d.material.youngs_modulus *= mass / length;
+    for (double* modulus : {&d.material.annulus_modulus, &d.material.fibre_modulus,
+                            &d.material.nucleus_modulus, &d.material.nucleus_bulk_modulus}) {
+      *modulus *= mass / length;
+    }
     d.frame.translation() *= length;
   }
   for (ArticularFacet& f : a.facets) {

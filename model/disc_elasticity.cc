@@ -1,99 +1,118 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "model/disc_elasticity.h"
 
-#include <Eigen/SVD>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 #include <string>
 
 namespace torso {
 
 using Eigen::Matrix3d;
+using Eigen::SparseMatrix;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 namespace {
 
-// Critical points of |p - s|^2 on p1 p2 p3 = 1: with a Lagrange multiplier l, p_i^2 - s_i p_i = l.
-// p_i is the larger root, or the smaller one for at most one i (`flip`, else -1).
-Vector3d roots(const Vector3d& s, double l, int flip, Vector3d* slope) {
-  Vector3d p;
-  for (int i = 0; i < 3; ++i) {
-    const double d = std::sqrt(std::max(1e-300, s[i] * s[i] + 4 * l));
-    const bool larger = i != flip;
-    // Of the two forms of a root, the one without cancellation.
-    p[i] = larger == (s[i] >= 0) ? (s[i] + (larger ? d : -d)) / 2
-                                 : -2 * l / (s[i] + (larger ? -d : d));
-    (*slope)[i] = larger ? 1 / d : -1 / d;
-  }
-  return p;
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+// The metric's fibres relative to the material's: where a disc is bent far, its taut fibres have
+// stiffened, and a metric that is too soft overshoots.
+constexpr double kMetricFibres = 1.25;
+
+Matrix3d skew(const Vector3d& v) {
+  Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
 }
 
-double product(const Vector3d& s, double l, int flip) {
-  Vector3d slope;
-  return roots(s, l, flip, &slope).prod();
+void add(Triplets* entries, int i, int j, const Matrix3d& block) {
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) entries->emplace_back(3 * i + a, 3 * j + b, block(a, b));
+  }
 }
 
-// The l in [low, high] where the product of the roots is 1; `rising` with l. Newton's method on the
-// product's logarithm, bisection where it leaves the bracket.
-Vector3d solve(const Vector3d& s, double low, double high, int flip, bool rising) {
-  Vector3d p, slope;
-  double l = (low + high) / 2;
-  for (int i = 0; i < 100; ++i) {
-    p = roots(s, l, flip, &slope);
-    const double error = std::log(std::max(p.prod(), 1e-300));
-    if (std::abs(error) < 1e-14) break;
-    ((error < 0) == rising ? low : high) = l;
-    const double next = l - error / slope.cwiseQuotient(p).sum();
-    const double last = l;
-    l = next > low && next < high ? next : (low + high) / 2;
-    if (l == last) break;
+// Gradients of a tet's shape functions (4 x 3) [1/m], and its volume [m^3].
+Eigen::Matrix<double, 4, 3> gradients(const DiscMesh& mesh, const std::array<int, 4>& t,
+                                      double* volume) {
+  Matrix3d edges;
+  for (int a = 0; a < 3; ++a) {
+    edges.col(a) = mesh.rest_positions[t[a + 1]] - mesh.rest_positions[t[0]];
   }
-  return p;
+  Eigen::Matrix<double, 4, 3> g;
+  g.bottomRows<3>() = edges.inverse();
+  g.row(0) = -g.bottomRows<3>().colwise().sum();
+  *volume = edges.determinant() / 6;
+  return g;
+}
+
+// Volume of a cell at node positions x; gradient: with respect to its nodes.
+double cellVolume(const DiscElasticity::Cell& cell, const VectorXd& x,
+                  std::vector<Vector3d>* gradient) {
+  gradient->assign(cell.nodes.size(), Vector3d::Zero());
+  const auto position = [&](int i) { return x.segment<3>(3 * cell.nodes[i]); };
+  const Vector3d origin = position(0);
+  double volume = 0;
+  for (const auto& [i, j, k] : cell.faces) {
+    const Vector3d a = position(i) - origin, b = position(j) - origin, c = position(k) - origin;
+    volume += a.dot(b.cross(c)) / 6;
+    (*gradient)[i] += b.cross(c) / 6;
+    (*gradient)[j] += c.cross(a) / 6;
+    (*gradient)[k] += a.cross(b) / 6;
+  }
+  Vector3d sum = Vector3d::Zero();
+  for (size_t i = 1; i < cell.nodes.size(); ++i) sum += (*gradient)[i];
+  (*gradient)[0] = -sum;
+  return volume;
+}
+
+// The fibre's direction now, F a.
+Vector3d fibre(const DiscElasticity::Cell& cell, const VectorXd& x, int family) {
+  Vector3d sum = Vector3d::Zero();
+  for (size_t i = 0; i < cell.nodes.size(); ++i) {
+    sum += cell.fibres[i][family] * x.segment<3>(3 * cell.nodes[i]);
+  }
+  return sum;
+}
+
+// Stress Ef (e + c e^2) of a fibre stretched by e = s - 1 > 0, its slope, and the energy density.
+struct FibreLaw {
+  FibreLaw(const DiscMaterial& m, double e)
+      : energy(m.fibre_modulus * (e * e / 2 + m.fibre_stiffening * e * e * e / 3)),
+        stress(m.fibre_modulus * (e + m.fibre_stiffening * e * e)),
+        slope(m.fibre_modulus * (1 + 2 * m.fibre_stiffening * e)) {}
+  double energy, stress, slope;
+};
+
+// Second derivative of the fibres' energy of one cell along one family: stress / s across the
+// fibre, slope along it.
+void addFibre(const DiscElasticity::Cell& cell, int family, const Vector3d& direction, double along,
+              double across, Triplets* entries) {
+  const Matrix3d block = cell.volume * (across * Matrix3d::Identity() +
+                                        (along - across) * direction * direction.transpose());
+  for (size_t i = 0; i < cell.nodes.size(); ++i) {
+    for (size_t j = 0; j < cell.nodes.size(); ++j) {
+      add(entries, cell.nodes[i], cell.nodes[j],
+          cell.fibres[i][family] * cell.fibres[j][family] * block);
+    }
+  }
 }
 
 }  // namespace
 
-Vector3d nearestUnitProduct(const Vector3d& s) {
-  const double J = s.prod();
-  if (J == 1) return s;
-  // The product of the larger roots rises with l from at most J; at the upper end each exceeds 1.
-  if (J < 1) return solve(s, 0, 2 + 2 * s.squaredNorm(), -1, true);
-  // J > 1 has all s_i > 0. Either all roots are the larger ones, or that of the smallest s is not.
-  int least;
-  s.minCoeff(&least);
-  const double low = -s[least] * s[least] / 4;
-  const Vector3d folded = solve(s, low, 0, least, false);
-  if (product(s, low, -1) > 1) return folded;
-  const Vector3d plain = solve(s, low, 0, -1, true);
-  const bool nearer =
-      std::abs(folded.prod() - 1) < 1e-6 && (folded - s).squaredNorm() < (plain - s).squaredNorm();
-  return nearer ? folded : plain;
-}
-
-Projections project(const Matrix3d& F) {
-  const Eigen::JacobiSVD<Matrix3d> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3d U = svd.matrixU();
-  const Matrix3d& V = svd.matrixV();
-  Vector3d s = svd.singularValues();
-  if (U.determinant() * V.determinant() < 0) {
-    U.col(2) *= -1;
-    s[2] *= -1;
-  }
-  return {U * V.transpose(), U * nearestUnitProduct(s).asDiagonal() * V.transpose()};
-}
-
-DiscElasticity::DiscElasticity(const DiscMesh& mesh, const DiscMaterial& material) {
+DiscElasticity::DiscElasticity(const DiscMesh& mesh, const DiscMaterial& m) : material(m) {
   for (const std::string& error : {checkDiscMesh(mesh), checkDiscMaterial(material)}) {
     if (!error.empty()) throw std::invalid_argument(error);
   }
-  const double E = material.youngs_modulus, nu = material.poissons_ratio;
-  mu = E / (2 * (1 + nu));
-  kappa = 3 * E * nu / ((1 + nu) * (1 - 2 * nu));
-
   const int n = static_cast<int>(mesh.rest_positions.size());
+  rest.resize(3 * n);
+  for (int i = 0; i < n; ++i) rest.segment<3>(3 * i) = mesh.rest_positions[i];
   free_index.assign(n, 0);
   Vector3d lower = Vector3d::Zero(), upper = Vector3d::Zero();
   for (int i : mesh.lower_nodes) lower += mesh.rest_positions[i] / mesh.lower_nodes.size();
@@ -108,95 +127,270 @@ DiscElasticity::DiscElasticity(const DiscMesh& mesh, const DiscMaterial& materia
     free_index[i] = static_cast<int>(free_nodes.size());
     free_nodes.push_back(i);
   }
+  addCells(mesh);
+  addMetric(mesh);
+}
+
+void DiscElasticity::addCells(const DiscMesh& mesh) {
+  const double E = material.annulus_modulus, nu = material.annulus_poisson;
+  const int nucleus = static_cast<int>(mesh.hoops.size());
+  struct Face {
+    int tets = 0;
+    std::array<int, 3> nodes;
+  };
+  std::vector<std::map<std::array<int, 3>, Face>> faces(nucleus + 1);  // by their sorted nodes
+  std::vector<std::map<int, Vector3d>> mean(nucleus + 1);  // (node) integral of its gradient
+  cells.resize(nucleus + 1);
+  for (Cell& cell : cells) {
+    cell.nucleus = &cell == &cells[nucleus];
+    cell.mu = cell.nucleus ? material.nucleus_modulus / 3 : E / (2 * (1 + nu));
+    cell.lambda = cell.nucleus ? material.nucleus_bulk_modulus - 2 * cell.mu / 3
+                               : E * nu / ((1 + nu) * (1 - 2 * nu));
+    cell.volume = 0;
+  }
+  Triplets entries;
+  for (size_t e = 0; e < mesh.tets.size(); ++e) {
+    const auto& t = mesh.tets[e];
+    const int c = mesh.cells[e] == DiscMesh::kNucleus ? nucleus : mesh.cells[e];
+    double V;
+    const Eigen::Matrix<double, 4, 3> g = gradients(mesh, t, &V);
+    cells[c].volume += V;
+    constexpr int kSides[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+    for (const auto& side : kSides) {
+      const std::array<int, 3> nodes = {t[side[0]], t[side[1]], t[side[2]]};
+      std::array<int, 3> key = nodes;
+      std::sort(key.begin(), key.end());
+      Face& face = faces[c][key];
+      ++face.tets;
+      face.nodes = nodes;
+    }
+    for (int a = 0; a < 4; ++a) {
+      mean[c].try_emplace(t[a], Vector3d::Zero()).first->second += V * g.row(a).transpose();
+      for (int b = 0; b < 4; ++b) {
+        entries.emplace_back(t[a], t[b], cells[c].mu * V * g.row(a).dot(g.row(b)));
+      }
+    }
+  }
+  const int n = static_cast<int>(mesh.rest_positions.size());
+  laplacian.resize(n, n);
+  laplacian.setFromTriplets(entries.begin(), entries.end());
+
+  for (int c = 0; c <= nucleus; ++c) {
+    Cell& cell = cells[c];
+    std::map<int, int> place;
+    for (const auto& [node, gradient] : mean[c]) {
+      place[node] = static_cast<int>(cell.nodes.size());
+      cell.nodes.push_back(node);
+    }
+    for (const auto& [key, face] : faces[c]) {
+      if (face.tets != 1) continue;
+      const std::array<int, 3> f = {place[face.nodes[0]], place[face.nodes[1]],
+                                    place[face.nodes[2]]};
+      if (f[0] != 0 && f[1] != 0 && f[2] != 0) cell.faces.push_back(f);
+    }
+    if (c == nucleus || material.fibre_modulus == 0) continue;
+    Vector3d hoop = mesh.rest_positions[mesh.hoops[c][1]] - mesh.rest_positions[mesh.hoops[c][0]];
+    hoop.z() = 0;
+    for (int k = 0; k < 2; ++k) {
+      cell.at_rest[k] = std::cos(material.fibre_angle) * hoop.normalized() +
+                        (k == 0 ? 1 : -1) * std::sin(material.fibre_angle) * Vector3d::UnitZ();
+    }
+    for (const auto& [node, gradient] : mean[c]) {
+      cell.fibres.emplace_back(gradient.dot(cell.at_rest[0]), gradient.dot(cell.at_rest[1]));
+      cell.fibres.back() /= cell.volume;
+    }
+  }
+  if (cells[nucleus].nodes.empty()) cells.pop_back();
+}
+
+double DiscElasticity::energy(const VectorXd& u, VectorXd* f, int terms) const {
+  using Rows = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>;
+  const int n = static_cast<int>(rest.size()) / 3;
+  const VectorXd x = rest + u;
+  double energy = 0;
+  VectorXd gradient = VectorXd::Zero(3 * n);
+  if (terms & kShear) {
+    Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> Lx = laplacian * Rows(x.data(), n, 3);
+    const Eigen::Map<const VectorXd> flat(Lx.data(), 3 * n);
+    gradient += flat;
+    // (x L x - X L X) / 2 without its cancellation.
+    Lx += laplacian * Rows(rest.data(), n, 3);
+    energy += u.dot(flat) / 2;
+  }
+  std::vector<Vector3d> g;
+  for (const Cell& cell : cells) {
+    if (terms & kVolume) {
+      const double change = cellVolume(cell, x, &g) - cell.volume;
+      const double stiffness = (cell.lambda + cell.mu) / cell.volume;
+      energy += -cell.mu * change + stiffness / 2 * change * change;
+      for (size_t i = 0; i < g.size(); ++i) {
+        gradient.segment<3>(3 * cell.nodes[i]) += (stiffness * change - cell.mu) * g[i];
+      }
+    }
+    if (!(terms & kFibres) || cell.fibres.empty()) continue;
+    for (int k = 0; k < 2; ++k) {
+      const Vector3d d = fibre(cell, x, k);
+      const double stretch = d.norm();
+      if (stretch <= 1) continue;
+      const FibreLaw law(material, stretch - 1);
+      energy += cell.volume * law.energy;
+      for (size_t i = 0; i < cell.nodes.size(); ++i) {
+        gradient.segment<3>(3 * cell.nodes[i]) +=
+            cell.volume * law.stress / stretch * cell.fibres[i][k] * d;
+      }
+    }
+  }
+  if (f) *f = -gradient;
+  return energy;
+}
+
+DiscElasticity::Hessian DiscElasticity::hessian(const VectorXd& u, int terms) const {
+  const int n = static_cast<int>(rest.size()) / 3;
+  const VectorXd x = rest + u;
+  Hessian H = {SparseMatrix<double>(3 * n, 3 * n), VectorXd::Zero(3 * n), 0};
+  Triplets entries;
+  if (terms & kShear) {
+    for (int k = 0; k < n; ++k) {
+      for (SparseMatrix<double>::InnerIterator it(laplacian, k); it; ++it) {
+        add(&entries, static_cast<int>(it.row()), k, it.value() * Matrix3d::Identity());
+      }
+    }
+  }
+  std::vector<Vector3d> g;
+  for (const Cell& cell : cells) {
+    if (terms & kVolume) {
+      const double change = cellVolume(cell, x, &g) - cell.volume;
+      const double stiffness = (cell.lambda + cell.mu) / cell.volume;
+      const double slope = stiffness * change - cell.mu;
+      if (cell.nucleus) H.nucleus_stiffness = stiffness;
+      for (size_t i = 0; i < g.size(); ++i) {
+        if (cell.nucleus) {
+          H.nucleus_gradient.segment<3>(3 * cell.nodes[i]) = g[i];
+          continue;
+        }
+        for (size_t j = 0; j < g.size(); ++j) {
+          add(&entries, cell.nodes[i], cell.nodes[j], stiffness * g[i] * g[j].transpose());
+        }
+      }
+      const int origin = cell.nodes[0];
+      for (const auto& face : cell.faces) {
+        // Of a . (b x c) / 6, positions relative to the origin: d(b x c)/db = -[c]x and cyclic.
+        for (int k = 0; k < 3; ++k) {
+          const int i = cell.nodes[face[k]];
+          for (int step : {1, 2}) {
+            const int j = cell.nodes[face[(k + step) % 3]];
+            const int other = cell.nodes[face[(k + 3 - step) % 3]];
+            const Matrix3d block = (step == 1 ? -slope : slope) / 6 *
+                                   skew(x.segment<3>(3 * other) - x.segment<3>(3 * origin));
+            add(&entries, i, j, block);
+            add(&entries, i, origin, -block);
+            add(&entries, origin, j, -block);
+            add(&entries, origin, origin, block);
+          }
+        }
+      }
+    }
+    if (!(terms & kFibres) || cell.fibres.empty()) continue;
+    for (int k = 0; k < 2; ++k) {
+      const Vector3d d = fibre(cell, x, k);
+      const double stretch = d.norm();
+      if (stretch <= 1) continue;
+      const FibreLaw law(material, stretch - 1);
+      addFibre(cell, k, d / stretch, law.slope, law.stress / stretch, &entries);
+    }
+  }
+  H.sparse.setFromTriplets(entries.begin(), entries.end());
+  return H;
+}
+
+double DiscElasticity::nucleusPressure(const VectorXd& u) const {
+  if (cells.empty() || !cells.back().nucleus) return 0;
+  const Cell& cell = cells.back();
+  std::vector<Vector3d> g;
+  return (cell.lambda + cell.mu) * (1 - cellVolume(cell, rest + u, &g) / cell.volume);
+}
+
+SparseMatrix<double> DiscElasticity::freePart(const SparseMatrix<double>& matrix) const {
+  const int nfree = static_cast<int>(free_nodes.size());
+  Triplets entries;
+  for (int k = 0; k < matrix.outerSize(); ++k) {
+    const int j = free_index[k / 3];
+    if (j < 0) continue;
+    for (SparseMatrix<double>::InnerIterator it(matrix, k); it; ++it) {
+      const int i = free_index[it.row() / 3];
+      if (i >= 0) entries.emplace_back(3 * i + it.row() % 3, 3 * j + k % 3, it.value());
+    }
+  }
+  SparseMatrix<double> part(3 * nfree, 3 * nfree);
+  part.setFromTriplets(entries.begin(), entries.end());
+  return part;
+}
+
+VectorXd DiscElasticity::freePart(const VectorXd& vector) const {
+  VectorXd part(3 * free_nodes.size());
+  for (size_t i = 0; i < free_nodes.size(); ++i) {
+    part.segment<3>(3 * i) = vector.segment<3>(3 * free_nodes[i]);
+  }
+  return part;
+}
+
+void DiscElasticity::addMetric(const DiscMesh& mesh) {
+  const int n = static_cast<int>(mesh.rest_positions.size());
+  Hessian H = hessian(VectorXd::Zero(3 * n), kShear | kVolume);
+  Triplets entries;
+  for (const Cell& cell : cells) {
+    for (int k = 0; k < 2 && !cell.fibres.empty(); ++k) {
+      addFibre(cell, k, cell.at_rest[k], kMetricFibres * material.fibre_modulus, 0, &entries);
+    }
+  }
+  SparseMatrix<double> fibres(3 * n, 3 * n);
+  fibres.setFromTriplets(entries.begin(), entries.end());
+  H.sparse += fibres;
+  metric = freePart(H.sparse);
+  nucleus_gradient = H.nucleus_gradient;
+  nucleus_stiffness = H.nucleus_stiffness;
 
   // Half the rigid motions of the two bones.
   Eigen::Matrix<double, Eigen::Dynamic, 6> motion(3 * n, 6);
   motion.setZero();
   const auto move = [&](int i, double factor) {
-    const Vector3d& x = mesh.rest_positions[i];
     for (int k = 0; k < 3; ++k) {
       motion(3 * i + k, k) = factor;
-      motion.block<3, 1>(3 * i, 3 + k) = factor * Vector3d::Unit(k).cross(x);
+      motion.block<3, 1>(3 * i, 3 + k) = factor * Vector3d::Unit(k).cross(mesh.rest_positions[i]);
     }
   };
   for (int i : mesh.lower_nodes) move(i, -0.5);
   for (int i : mesh.upper_nodes) move(i, 0.5);
 
-  // Hooke's law with the Lame constants kappa / 3 and mu.
   const int nfree = static_cast<int>(free_nodes.size());
-  std::vector<Eigen::Triplet<double>> full, interior;
-  for (const auto& t : mesh.tets) {
-    Matrix3d edges;
-    for (int a = 0; a < 3; ++a) {
-      edges.col(a) = mesh.rest_positions[t[a + 1]] - mesh.rest_positions[t[0]];
-    }
-    const Matrix3d inverse = edges.inverse();
-    const double V = edges.determinant() / 6;
-    inverse_edges.push_back(inverse);
-    volume.push_back(V);
-    Eigen::Matrix<double, 4, 3> g;  // gradients of the shape functions
-    g.bottomRows<3>() = inverse;
-    g.row(0) = -inverse.colwise().sum();
-    for (int a = 0; a < 4; ++a) {
-      for (int b = 0; b < 4; ++b) {
-        Matrix3d K =
-            kappa / 3 * g.row(a).transpose() * g.row(b) + mu * g.row(b).transpose() * g.row(a);
-        K.diagonal().array() += mu * g.row(a).dot(g.row(b));
-        const int fa = free_index[t[a]], fb = free_index[t[b]];
-        for (int i = 0; i < 3; ++i) {
-          for (int j = 0; j < 3; ++j) {
-            full.emplace_back(3 * t[a] + i, 3 * t[b] + j, V * K(i, j));
-            if (fa >= 0 && fb >= 0) interior.emplace_back(3 * fa + i, 3 * fb + j, V * K(i, j));
-          }
-        }
-      }
-    }
-  }
-  Eigen::SparseMatrix<double> hessian(3 * n, 3 * n);
-  hessian.setFromTriplets(full.begin(), full.end());
-  free_hessian.resize(3 * nfree, 3 * nfree);
-  free_hessian.setFromTriplets(interior.begin(), interior.end());
-
-  const Eigen::Matrix<double, Eigen::Dynamic, 6> load = hessian * motion;
+  const VectorXd& g = nucleus_gradient;
+  const Vector6d swept = motion.transpose() * g;  // volume that the attached nodes sweep
+  const Eigen::Matrix<double, Eigen::Dynamic, 6> load = H.sparse * motion;
   Eigen::Matrix<double, Eigen::Dynamic, 6> free_load(3 * nfree, 6);
-  for (int i = 0; i < nfree; ++i) {
-    free_load.middleRows<3>(3 * i) = load.middleRows<3>(3 * free_nodes[i]);
-  }
+  for (int k = 0; k < 6; ++k) free_load.col(k) = freePart(VectorXd(load.col(k)));
+  const VectorXd free_g = freePart(g);
+  response_without_nucleus.resize(3 * nfree, 6);
   response.resize(3 * nfree, 6);
+  nucleus_response.resize(3 * nfree);
+  Vector6d pressure = nucleus_stiffness * swept;  // rise of the nucleus' pressure, negative
   if (nfree > 0) {
-    const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(free_hessian);
-    if (factor.info() == Eigen::Success) response = -factor.solve(free_load);
-    if (factor.info() != Eigen::Success || !response.allFinite()) {
+    const Eigen::SimplicialLLT<SparseMatrix<double>> factor(metric);
+    if (factor.info() == Eigen::Success) {
+      response_without_nucleus = -factor.solve(free_load);
+      nucleus_response = factor.solve(free_g);
+    }
+    if (factor.info() != Eigen::Success || !response_without_nucleus.allFinite()) {
       throw std::invalid_argument(
           "the stiffness at rest is singular: a part of the mesh can move freely (does it hang on "
           "one node or edge?)");
     }
+    pressure = nucleus_stiffness / (1 + nucleus_stiffness * free_g.dot(nucleus_response)) *
+               (swept + response_without_nucleus.transpose() * free_g);
+    response = response_without_nucleus - nucleus_response * pressure.transpose();
   }
-  rest_stiffness = motion.transpose() * load + free_load.transpose() * response;
-  rest_stiffness = (rest_stiffness + rest_stiffness.transpose()).eval() / 2;
-}
-
-double DiscElasticity::forces(const DiscMesh& mesh, const VectorXd& u, VectorXd* f) const {
-  double energy = 0;
-  f->setZero(u.size());
-  for (size_t e = 0; e < mesh.tets.size(); ++e) {
-    const auto& t = mesh.tets[e];
-    Matrix3d edges;
-    for (int a = 0; a < 3; ++a) {
-      edges.col(a) = u.segment<3>(3 * t[a + 1]) - u.segment<3>(3 * t[0]);
-    }
-    const Matrix3d F = Matrix3d::Identity() + edges * inverse_edges[e];
-    const Projections p = project(F);
-    energy += volume[e] *
-              (mu * (F - p.rotation).squaredNorm() + kappa / 2 * (F - p.isochoric).squaredNorm());
-    const Matrix3d stress = 2 * mu * (F - p.rotation) + kappa * (F - p.isochoric);
-    const Matrix3d force = -volume[e] * stress * inverse_edges[e].transpose();
-    for (int a = 0; a < 3; ++a) {
-      f->segment<3>(3 * t[a + 1]) += force.col(a);
-      f->segment<3>(3 * t[0]) -= force.col(a);
-    }
-  }
-  return energy;
+  bound_stiffness =
+      motion.transpose() * load + free_load.transpose() * response + swept * pressure.transpose();
+  bound_stiffness = (bound_stiffness + bound_stiffness.transpose()).eval() / 2;
 }
 
 HalfwayFrame::HalfwayFrame(const DiscPose& pose) {

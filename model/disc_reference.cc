@@ -11,40 +11,16 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 struct ReferenceDisc::Impl {
-  Impl(const DiscMesh& mesh_, const DiscMaterial& material, Metric metric_)
-      : mesh(mesh_), elasticity(mesh_, material), metric(metric_), frame(DiscPose()) {
-    const int nfree = static_cast<int>(elasticity.free_nodes.size());
-    if (metric == Metric::kRestHessian) {
-      factor.compute(elasticity.free_hessian);
-    } else {
-      // sum w A^T A: a Laplacian, the same for each coordinate and in every frame.
-      std::vector<Eigen::Triplet<double>> entries;
-      for (size_t e = 0; e < mesh.tets.size(); ++e) {
-        Eigen::Matrix<double, 4, 3> g;
-        g.bottomRows<3>() = elasticity.inverse_edges[e];
-        g.row(0) = -elasticity.inverse_edges[e].colwise().sum();
-        const double weight = elasticity.volume[e] * (2 * elasticity.mu + elasticity.kappa);
-        for (int a = 0; a < 4; ++a) {
-          for (int b = 0; b < 4; ++b) {
-            const int i = elasticity.free_index[mesh.tets[e][a]];
-            const int j = elasticity.free_index[mesh.tets[e][b]];
-            if (i < 0 || j < 0) continue;
-            const double value = weight * g.row(a).dot(g.row(b));
-            for (int k = 0; k < 3; ++k) entries.emplace_back(3 * i + k, 3 * j + k, value);
-          }
-        }
-      }
-      Eigen::SparseMatrix<double> matrix(3 * nfree, 3 * nfree);
-      matrix.setFromTriplets(entries.begin(), entries.end());
-      factor.compute(matrix);
-    }
+  Impl(const DiscMesh& mesh_, const DiscMaterial& material, Method method_)
+      : mesh(mesh_), elasticity(mesh_, material), method(method_), frame(DiscPose()) {
+    metric.compute(elasticity.metric);
     reset();
   }
 
   void reset() {
     frame = HalfwayFrame(DiscPose());
     u.setZero(3 * mesh.rest_positions.size());
-    energy = elasticity.forces(mesh, u, &force);
+    energy = elasticity.energy(u, &force);
     updatePositions();
   }
 
@@ -61,18 +37,33 @@ struct ReferenceDisc::Impl {
     }
   }
 
-  VectorXd residual() const {
-    VectorXd r(3 * elasticity.free_nodes.size());
-    for (size_t i = 0; i < elasticity.free_nodes.size(); ++i) {
-      r.segment<3>(3 * i) = force.segment<3>(3 * elasticity.free_nodes[i]);
-    }
-    return r;
+  // Solution of (A + k g g^T) x = r, A g_response = g.
+  static VectorXd updated(VectorXd x, const VectorXd& g, const VectorXd& g_response, double k) {
+    x -= k * g.dot(x) / (1 + k * g.dot(g_response)) * g_response;
+    return x;
   }
 
-  // One local and global step. The step is halved while it does not lower the energy enough, which
-  // the projective metric never needs (its model bounds the energy from above).
-  void iterate(const VectorXd& r) {
-    const VectorXd step = factor.solve(r);
+  VectorXd metricStep(const VectorXd& r) const {
+    return updated(metric.solve(r), elasticity.freePart(elasticity.nucleus_gradient),
+                   elasticity.nucleus_response, elasticity.nucleus_stiffness);
+  }
+
+  // Newton's step, or the metric's where the energy is not convex.
+  VectorXd newtonStep(const VectorXd& r) const {
+    const DiscElasticity::Hessian H = elasticity.hessian(u);
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(elasticity.freePart(H.sparse));
+    if (factor.info() == Eigen::Success) {
+      const VectorXd g = elasticity.freePart(H.nucleus_gradient);
+      const VectorXd step = updated(factor.solve(r), g, factor.solve(g), H.nucleus_stiffness);
+      if (step.allFinite() && step.dot(r) > 0) return step;
+    }
+    return metricStep(r);
+  }
+
+  // One local and global step. The step is halved while it does not lower the energy enough.
+  // Returns false if none does.
+  bool iterate(const VectorXd& r) {
+    const VectorXd step = method == Method::kNewton ? newtonStep(r) : metricStep(r);
     const double slope = r.dot(step);
     const VectorXd start = u;
     const double energy_before = energy;
@@ -81,12 +72,13 @@ struct ReferenceDisc::Impl {
       for (size_t i = 0; i < elasticity.free_nodes.size(); ++i) {
         u.segment<3>(3 * elasticity.free_nodes[i]) += t * step.segment<3>(3 * i);
       }
-      energy = elasticity.forces(mesh, u, &force);
+      energy = elasticity.energy(u, &force);
       // The last term is the rounding error of the energy.
-      if (energy <= energy_before - 1e-4 * t * slope + 1e-13 * energy_before) return;
+      if (energy <= energy_before - 1e-4 * t * slope + 1e-13 * std::abs(energy_before)) return true;
     }
     u = start;
-    energy = elasticity.forces(mesh, u, &force);
+    energy = elasticity.energy(u, &force);
+    return false;
   }
 
   void updatePositions() {
@@ -98,28 +90,28 @@ struct ReferenceDisc::Impl {
 
   DiscMesh mesh;
   DiscElasticity elasticity;
-  Metric metric;
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor;
+  Method method;
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> metric;
   HalfwayFrame frame;
   VectorXd u, force;  // (3 nnode) displacement from rest and internal force, frame M
   double energy;
   std::vector<Vector3d> positions;
 };
 
-ReferenceDisc::ReferenceDisc(const DiscMesh& mesh, const DiscMaterial& material, Metric metric)
-    : impl_(std::make_unique<Impl>(mesh, material, metric)) {}
+ReferenceDisc::ReferenceDisc(const DiscMesh& mesh, const DiscMaterial& material, Method method)
+    : impl_(std::make_unique<Impl>(mesh, material, method)) {}
 ReferenceDisc::~ReferenceDisc() = default;
 ReferenceDisc::ReferenceDisc(ReferenceDisc&&) noexcept = default;
 ReferenceDisc& ReferenceDisc::operator=(ReferenceDisc&&) noexcept = default;
 
 int ReferenceDisc::solve(const DiscPose& pose, int max_iterations, double tolerance) {
   impl_->attach(pose);
-  impl_->energy = impl_->elasticity.forces(impl_->mesh, impl_->u, &impl_->force);
+  impl_->energy = impl_->elasticity.energy(impl_->u, &impl_->force);
   int iterations = 0;
   for (; iterations < max_iterations; ++iterations) {
-    const VectorXd r = impl_->residual();
+    const VectorXd r = impl_->elasticity.freePart(impl_->force);
     if (r.size() == 0 || r.cwiseAbs().maxCoeff() <= tolerance) break;
-    impl_->iterate(r);
+    if (!impl_->iterate(r)) break;
   }
   impl_->updatePositions();
   return iterations;
@@ -135,15 +127,17 @@ DiscWrench ReferenceDisc::wrench() const {
     w.head<3>() += f;
     w.tail<3>() += x.cross(f);
   }
-  return impl_->frame.wrench(w, upperEndplateAreaVector(impl_->mesh));
+  DiscWrench wrench = impl_->frame.wrench(w, upperEndplateAreaVector(impl_->mesh));
+  wrench.nucleus_pressure = impl_->elasticity.nucleusPressure(impl_->u);
+  return wrench;
 }
 
 double ReferenceDisc::energy() const { return impl_->energy; }
 
 const std::vector<Vector3d>& ReferenceDisc::positions() const { return impl_->positions; }
 
-Eigen::Matrix<double, 6, 6> ReferenceDisc::restStiffness() const {
-  return impl_->elasticity.rest_stiffness;
-}
+const VectorXd& ReferenceDisc::displacements() const { return impl_->u; }
+
+const DiscElasticity& ReferenceDisc::elasticity() const { return impl_->elasticity; }
 
 }  // namespace torso

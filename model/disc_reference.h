@@ -1,8 +1,9 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The plain disc solver: one disc of any topology, double precision, SVD projections, as close to
-// the formulas as code can be. Slow; the fast solver (disc_batch.h) is tested against it.
+// The plain disc solver: one disc of any topology, double precision, as close to the formulas as
+// code can be. Slow; the fast solver (disc_batch.h) is tested against it, and what is not in a
+// hurry (bench, calibration, export) uses it.
 
 #include <memory>
 
@@ -10,17 +11,19 @@
 
 namespace torso {
 
+struct DiscElasticity;
+
 class ReferenceDisc {
  public:
-  // Global step of projective dynamics: the constant matrix that the residual is divided by.
-  enum class Metric {
-    kProjective,   // sum of w A^T A, as in the paper
-    kRestHessian,  // elastic Hessian at rest, in the frame half way between the two bones
+  enum class Method {
+    kConstantMetric,  // projective dynamics' global step: the residual over the Hessian at rest
+                      // with all fibres taut, in the frame half way between the two bones
+    kNewton,  // the residual over the energy's Hessian where it stands
   };
 
   // Throws std::invalid_argument with the message of checkDiscMesh / checkDiscMaterial.
   ReferenceDisc(const DiscMesh& mesh, const DiscMaterial& material,
-                Metric metric = Metric::kRestHessian);
+                Method method = Method::kNewton);
   ~ReferenceDisc();
   ReferenceDisc(ReferenceDisc&&) noexcept;
   ReferenceDisc& operator=(ReferenceDisc&&) noexcept;
@@ -34,9 +37,10 @@ class ReferenceDisc {
   DiscWrench wrench() const;
   double energy() const;                                  // [J]
   const std::vector<Eigen::Vector3d>& positions() const;  // (node) [m], lower disc frame
-  // Tangent stiffness at rest: minus d(force, moment)/d(translation, rotation vector), (6 x 6),
-  // SI, symmetric positive definite, interior nodes in equilibrium.
-  Eigen::Matrix<double, 6, 6> restStiffness() const;
+  // Displacements from rest in the frame half way between the two bones (3 nnode) [m]; what
+  // elasticity() takes.
+  const Eigen::VectorXd& displacements() const;
+  const DiscElasticity& elasticity() const;
 
  private:
   struct Impl;
