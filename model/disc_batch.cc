@@ -47,6 +47,14 @@ constexpr int kPoseSize = 6, kWrench = 6, kPressure = 12, kSettled = 13, kHeader
 // Where the endplates move by more than this share of the disc's height relative to each other, a
 // full correction can overshoot and is checked.
 constexpr double kLargeStrain = 0.2;
+// Where by more than this share, the nucleus' response at rest no longer serves.
+constexpr double kVeryLargeStrain = 0.5;
+// A change of the pose in one evaluation that moves the endplates by more than this share of the
+// height starts from rest: the last shape tells nothing.
+constexpr double kTeleport = 0.5;
+// Corrections of the wrench below this share of what it takes to crush the disc (its bound
+// stiffness times its height) are left: rounding errors.
+constexpr double kSmallWrench = 1e-6;
 // It is checked unless it moves no node by more than this share of the disc's height: an overshoot
 // of that size does no harm.
 constexpr double kSmallChange = 1e-3;
@@ -80,12 +88,14 @@ struct DiscBatch::Impl {
   // What one evaluation of a group knows of its lanes.
   struct Lanes {
     alignas(64) float pose_change[kPoseSize * kLanes] = {};
+    alignas(64) float keep[kLanes] = {};        // 0 where the last shape is of no use, else 1
     alignas(64) float wrench[6 * kLanes] = {};  // on the upper bone, frame M
     alignas(64) float pressure[kLanes] = {};    // of the nucleus
     alignas(64) float active[kLanes] = {};      // 1 while the lane iterates, else 0
     alignas(64) float largest[kLanes] = {};     // correction that is taken at once [m]
     float threshold[kLanes] = {};               // correction that asks for another iteration [m]
     bool deformed[kLanes] = {};                 // the endplates have moved by kLargeStrain
+    bool very_deformed = false;                 // those of some lane by kVeryLargeStrain
     bool settled[kLanes] = {};
   };
   // Arrays of one evaluation, see DiscKernels.
@@ -94,8 +104,9 @@ struct DiscBatch::Impl {
         : u(static_cast<float*>(memory)),
           f(u + 3 * kLanes * nnode),
           d(f + 3 * kLanes * nnode),
-          work(d + 3 * kLanes * nnode) {}
-    float *u, *f, *d, *work;
+          w(d + 3 * kLanes * nnode),
+          work(w + 3 * kLanes * nnode) {}
+    float *u, *f, *d, *w, *work;
   };
 
   double height(const Group& group, int lane) const {
@@ -103,6 +114,10 @@ struct DiscBatch::Impl {
   }
   bool attach(const Group& group, const DiscPose* poses, const Options& options,
               const double* old_state, double* new_state, float* u, Lanes* lanes) const;
+  void restartAfterTeleport(const Group& group, int lane, const double* new_state,
+                            Lanes* lanes) const;
+  bool wrongWrench(const Group& group, int lane, const float* wrench, const float* correction,
+                   double tolerance) const;
   int iterate(const Group& group, const Options& options, const Scratch& s, Lanes* lanes) const;
   void shorten(const Group& group, const Scratch& s, const float* before, Lanes* lanes,
                float* factor) const;
@@ -142,7 +157,9 @@ bool DiscBatch::Impl::attach(const Group& group, const DiscPose* poses, const Op
     lanes->settled[lane] = !moved && old_state[kLanes * kSettled + lane] != 0;
     lanes->active[lane] = lanes->settled[lane] ? 0 : 1;
     any_active |= !lanes->settled[lane];
+    restartAfterTeleport(group, lane, new_state, lanes);
     const double large = kLargeStrain / 2 * height(group, lane);
+    const double very_large = kVeryLargeStrain / 2 * height(group, lane);
     const Matrix3d turn = frame.half - Matrix3d::Identity();
     for (int i = view.nfree; i < view.nnode; ++i) {
       const float* X = view.rest + 3 * kLanes * i + lane;
@@ -155,11 +172,30 @@ bool DiscBatch::Impl::attach(const Group& group, const DiscPose* poses, const Op
       }
       for (int k = 0; k < 3; ++k) u[kLanes * (3 * i + k) + lane] = static_cast<float>(d[k]);
       lanes->deformed[lane] |= d.squaredNorm() > large * large;
+      lanes->very_deformed |= d.squaredNorm() > very_large * very_large;
     }
     lanes->largest[lane] = static_cast<float>(0.5 * height(group, lane));
     lanes->threshold[lane] = static_cast<float>(options.tolerance * height(group, lane));
   }
   return any_active;
+}
+
+// Where the pose has changed by too much since the last evaluation, the last shape counts as rest.
+void DiscBatch::Impl::restartAfterTeleport(const Group& group, int lane, const double* new_state,
+                                           Lanes* lanes) const {
+  const DiscElasticity& elasticity = discs[group.discs[lane]].elasticity;
+  double moved = 0;  // by the translation and at the disc's rim by the rotation
+  for (int k = 0; k < kPoseSize; ++k) {
+    const double change = std::abs(lanes->pose_change[kLanes * k + lane]);
+    moved += k < 3 ? change : change * elasticity.size;
+  }
+  if (moved < kTeleport * elasticity.height) {
+    lanes->keep[lane] = 1;
+    return;
+  }
+  for (int k = 0; k < kPoseSize; ++k) {
+    lanes->pose_change[kLanes * k + lane] = static_cast<float>(new_state[kLanes * k + lane]);
+  }
 }
 
 // Where the forces after the correction d point back along it, the energy's minimum along d lies
@@ -186,6 +222,23 @@ void DiscBatch::Impl::shorten(const Group& group, const Scratch& s, const float*
   kernels.forces(view, s.u, s.f, pressure, s.work);
 }
 
+// True if the correction is a larger share of the wrench than `tolerance`. Moments count by the
+// forces at the disc's rim that make them.
+bool DiscBatch::Impl::wrongWrench(const Group& group, int lane, const float* wrench,
+                                  const float* correction, double tolerance) const {
+  const DiscElasticity& elasticity = discs[group.discs[lane]].elasticity;
+  double of_wrench = 0, of_correction = 0;
+  for (int k = 0; k < 6; ++k) {
+    const double arm = k < 3 ? 1 : elasticity.size;
+    const double w = wrench[kLanes * k + lane] / arm, c = correction[kLanes * k + lane] / arm;
+    of_wrench += w * w;
+    of_correction += c * c;
+  }
+  const double crush = elasticity.bound_stiffness(2, 2) * elasticity.height;
+  const double floor = kSmallWrench * crush;
+  return of_correction > tolerance * tolerance * of_wrench + floor * floor;
+}
+
 // Iterates until no lane asks for more; returns the number of iterations. A lane that is done keeps
 // its shape and wrench, so that a disc's answer does not depend on its neighbours in the group.
 int DiscBatch::Impl::iterate(const Group& group, const Options& options, const Scratch& s,
@@ -200,13 +253,24 @@ int DiscBatch::Impl::iterate(const Group& group, const Options& options, const S
   for (int iterations = 1;; ++iterations) {
     kernels.wrench(view, s.u, s.f, ends, response);
     kernels.solve(view, s.f, s.d);
-    kernels.nucleus(view, s.work, s.d, pressure_change);
+    const float* nucleus_response = view.nucleus_response;
+    if (lanes->very_deformed && view.nucleus) {
+      kernels.gradient(view, s.work, s.w);
+      kernels.solve(view, s.w, s.w);
+      nucleus_response = s.w;
+    }
+    kernels.nucleus(view, s.work, nucleus_response, s.d, pressure_change);
+    for (int i = 0; i < 6 * kLanes; ++i) {
+      response[i] += pressure_change[i % kLanes] * view.nucleus_wrench[i];
+    }
     std::copy(lanes->active, lanes->active + kLanes, factor);
     kernels.apply(view, factor, lanes->largest, s.d, s.u, change);
-    bool again = false, check = false;
+    bool more[kLanes] = {}, again = false, check = false;
     for (int lane = 0; lane < nlane; ++lane) {
       if (lanes->active[lane] == 0) continue;
-      again |= change[lane] > lanes->threshold[lane];
+      more[lane] = change[lane] > lanes->threshold[lane] ||
+                   wrongWrench(group, lane, ends, response, options.wrench_tolerance);
+      again |= more[lane];
       check |= lanes->deformed[lane] && change[lane] > kSmallChange * height(group, lane);
     }
     again &= iterations < options.max_iterations;
@@ -221,12 +285,11 @@ int DiscBatch::Impl::iterate(const Group& group, const Options& options, const S
       if (lanes->active[lane] == 0) continue;
       for (int k = 0; k < 6; ++k) {
         const int i = kLanes * k + lane;
-        lanes->wrench[i] =
-            ends[i] + factor[lane] * (response[i] + pressure_change[lane] * view.nucleus_wrench[i]);
+        lanes->wrench[i] = ends[i] + factor[lane] * response[i];
       }
       lanes->pressure[lane] = now[lane] + factor[lane] * pressure_change[lane];
       lanes->settled[lane] = change[lane] < kSettledChange * height(group, lane);
-      if (!again || change[lane] <= lanes->threshold[lane]) lanes->active[lane] = 0;
+      if (!again || !more[lane]) lanes->active[lane] = 0;
     }
     if (!again) return iterations;
   }
@@ -278,7 +341,7 @@ int DiscBatch::stateSize() const { return impl_->state_size; }
 
 std::size_t DiscBatch::scratchSize() const {
   return sizeof(float) *
-         (3 * 3 * kLanes * static_cast<std::size_t>(impl_->largest_nnode) + impl_->largest_work);
+         (4 * 3 * kLanes * static_cast<std::size_t>(impl_->largest_nnode) + impl_->largest_work);
 }
 
 int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* state_out,
@@ -295,7 +358,7 @@ int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* s
     const bool active =
         impl_->attach(group, poses, options, old_state, new_state, arrays.u, &lanes);
     if (active) {
-      kernels.predict(view, old_state + kHeader * kLanes, lanes.pose_change, arrays.u);
+      kernels.predict(view, old_state + kHeader * kLanes, lanes.keep, lanes.pose_change, arrays.u);
       most_iterations = std::max(most_iterations, impl_->iterate(group, options, arrays, &lanes));
       kernels.store(view, arrays.u, new_state + kHeader * kLanes);
     } else if (new_state != old_state) {

@@ -95,7 +95,8 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
   const int ncell = static_cast<int>(elasticities[0]->cells.size());
   limit_ = LaneArray(1);
   rest_ = LaneArray(3 * nnode);
-  error_ = LaneArray(3 * nnode);
+  force_error_ = LaneArray(3 * nnode);
+  pressure_error_ = LaneArray(1);
   shear_ = LaneArray(shear_column_.size());
   cell_volume_ = LaneArray(3 * ncell);
   fibres_ = LaneArray(2 * cell_nodes_.size());
@@ -137,11 +138,12 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
   }
   setView(*meshes[0]);
 
-  // What rounding leaves of the forces at rest.
+  // What rounding leaves of the forces and the pressure at rest.
   LaneArray u(3 * nnode), f(3 * nnode), work(workSize() / kLanes);
-  alignas(64) float pressure[kLanes];
-  kernels.forces(view_, u.data(), f.data(), pressure, work.data());
-  for (int i = 0; i < 3 * nnode * kLanes; ++i) error_.data()[i] = -f.data()[i];
+  LaneArray pressure(1);
+  kernels.forces(view_, u.data(), f.data(), pressure.data(), work.data());
+  for (int i = 0; i < 3 * nnode * kLanes; ++i) force_error_.data()[i] = -f.data()[i];
+  for (int lane = 0; lane < kLanes; ++lane) pressure_error_(0, lane) = -pressure(0, lane);
 }
 
 std::size_t DiscGroup::workSize() const {
@@ -279,7 +281,8 @@ void DiscGroup::setView(const DiscMesh& mesh) {
   view_.nfree = static_cast<int>(column_.size()) - 1;
   view_.nlower = static_cast<int>(mesh.lower_nodes.size());
   view_.rest = rest_.data();
-  view_.error = error_.data();
+  view_.force_error = force_error_.data();
+  view_.pressure_error = pressure_error_.data();
   view_.limit = limit_.data();
   view_.shear_row = shear_row_.data();
   view_.shear_column = shear_column_.data();

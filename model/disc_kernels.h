@@ -17,8 +17,9 @@ constexpr int kLanes = 8;
 // node" is 24 x its number: that of its first float in an array (node x 3).
 struct DiscGroupView {
   int nnode, nfree, nlower;
-  const float* rest;   // (node x 3) rest position [m]
-  const float* error;  // (node x 3) minus what rounding makes of the forces at rest [N]
+  const float* rest;  // (node x 3) rest position [m]
+  // Minus what rounding makes of the forces at rest (node x 3) [N] and the nucleus' pressure (1).
+  const float *force_error, *pressure_error;
   const float* limit;  // (1) largest displacement that is believed [m]
 
   // Shear: rows of DiscElasticity::laplacian.
@@ -56,8 +57,10 @@ struct DiscKernels {
   const char* name;
 
   // Free part of the displacements u (nnode x 3 x 8) from the state (nfree x 3 x 8), moved by the
-  // response to the change of the bones' pose since (6 x 8).
-  void (*predict)(const DiscGroupView&, const double* state, const float* pose_change, float* u);
+  // response to the change of the bones' pose since (6 x 8). keep (8): 0 for lanes whose state
+  // counts as rest, else 1.
+  void (*predict)(const DiscGroupView&, const double* state, const float* keep,
+                  const float* pose_change, float* u);
   // Local step: internal forces f (nnode x 3 x 8) [N] at displacements u, and the nucleus' pressure
   // (8) [Pa]. work (nnode + 2 x nodes of the largest cell) x 3 x 8; its last part is left holding
   // the gradient of the last cell's volume, for `nucleus`.
@@ -70,8 +73,12 @@ struct DiscKernels {
   // Free part of d (nnode x 3 x 8): solution of L L^T d = f.
   void (*solve)(const DiscGroupView&, const float* f, float* d);
   // Adds to d the nucleus' volume term, of which the metric has the present gradient (work, see
-  // forces). pressure_change (8): rise of its pressure that d brings [Pa].
-  void (*nucleus)(const DiscGroupView&, const float* work, float* d, float* pressure_change);
+  // forces). response (nnode x 3): solution for that gradient, or for the one at rest where the two
+  // are near enough. pressure_change (8): rise of its pressure that d brings [Pa].
+  void (*nucleus)(const DiscGroupView&, const float* work, const float* response, float* d,
+                  float* pressure_change);
+  // Free part of the present gradient (work) of the nucleus' volume (nnode x 3 x 8) [m^2].
+  void (*gradient)(const DiscGroupView&, const float* work, float* out);
   // d = factor (8) times d, no component larger than `largest` (8), and u += d; free part. change
   // (8) is the largest component of d before that.
   void (*apply)(const DiscGroupView&, const float* factor, const float* largest, float* d, float* u,
