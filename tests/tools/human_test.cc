@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/tools/command_fixture.h"
 #include "tools/mujoco_support.h"
@@ -82,6 +84,28 @@ TEST_F(Human, GivesTheSameBitsOnAnyNumberOfThreads) {
 }
 
 // The stock viewer draws at most 5000 shapes, and nothing if there are more.
+// The parts are measured in other runs than the step, and cover it.
+TEST_F(Human, BenchPartsAddUpToTheStep) {
+  const json j = runJson("bench --json --seconds 0.3 --repetitions 5 " + kHuman);
+  const std::vector<std::pair<std::string, std::string>> keys = {
+      {"parts_us", "step_us"}, {"parts_200hz_us", "step_200hz_us"}};
+  for (const auto& [parts, step] : keys) {
+    double sum = 0;
+    for (const auto& [name, us] : j[parts].items()) {
+      if (name == "other") continue;
+      EXPECT_GE(us, 0) << name;
+      sum += us.get<double>();
+    }
+    EXPECT_NEAR(sum, j[step].get<double>(), 0.1 * j[step].get<double>());
+    EXPECT_NEAR(sum + j[parts]["other"].get<double>(), j[step].get<double>(), 1e-6);
+    for (const char* name : {"kinematics", "collision", "constraint", "disc", "rows", "solver"}) {
+      EXPECT_GT(j[parts][name], 0) << name;
+    }
+    // An iteration of 23 discs is more than moving 24 bones ahead.
+    EXPECT_GT(j[parts]["disc"], j[parts]["integration"]);
+  }
+}
+
 TEST_F(Human, FitsIntoTheViewer) {
   const ModelPtr m = loadModel(kHuman);
   const DataPtr d = makeData(m.get());
