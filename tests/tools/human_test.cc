@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -84,6 +85,32 @@ TEST_F(Human, GivesTheSameBitsOnAnyNumberOfThreads) {
 }
 
 // The stock viewer draws at most 5000 shapes, and nothing if there are more.
+// But for neighbours at a joint, excluded bodies are those whose geoms never meet: no contact is
+// lost.
+TEST_F(Human, OnlyNeighboursAreKeptApart) {
+  const ModelPtr m = loadModel(kHuman);
+  const auto canMeet = [&](int a, int b) {
+    return (m->geom_contype[a] & m->geom_conaffinity[b]) ||
+           (m->geom_contype[b] & m->geom_conaffinity[a]);
+  };
+  std::set<std::string> apart;
+  for (int i = 0; i < m->nexclude; i++) {
+    const int body1 = (m->exclude_signature[i] >> 16) - 1;
+    const int body2 = (m->exclude_signature[i] & 0xFFFF) - 1;
+    for (int a = 0; a < m->ngeom; a++) {
+      for (int b = 0; b < m->ngeom; b++) {
+        if (m->geom_bodyid[a] != body1 || m->geom_bodyid[b] != body2 || !canMeet(a, b)) continue;
+        apart.insert(nameOf(m.get(), mjOBJ_BODY, body1) + " " + nameOf(m.get(), mjOBJ_BODY, body2));
+      }
+    }
+  }
+  EXPECT_GT(m->nexclude, 400);
+  const std::set<std::string> neighbours = {
+      "ribcage left_upper_arm", "ribcage right_upper_arm", "left_thigh L5", "left_thigh L4",
+      "right_thigh L5",         "right_thigh L4",          "head ribcage"};
+  EXPECT_EQ(apart, neighbours);
+}
+
 // The parts are measured in other runs than the step, and cover it.
 TEST_F(Human, BenchPartsAddUpToTheStep) {
   const json j = runJson("bench --json --seconds 0.3 --repetitions 5 " + kHuman);
