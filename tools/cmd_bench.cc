@@ -174,11 +174,12 @@ void addBench(CLI::App& app) {
   command->footer(
       "The standing body falls from 0.2 m with random controls. Medians over the repetitions, "
       "each\n"
-      "of which measures everything in turn. Times of steps are processor times of one thread;\n"
-      "the parts come from runs of their own, on MuJoCo's timers, and 'other' is what they leave "
-      "of\n"
-      "the step; it may be below zero by the noise. threads_2_speedup is wall time: it needs two\n"
-      "idle cores.\n\n"
+      "of which measures everything in turn. Times of steps are processor times of one thread.\n"
+      "Their parts come from runs of their own, on MuJoCo's timers; disc and rows are the torso\n"
+      "plugin's mjcb_passive: its disc solver, and the rest. 'other' is what the parts leave of "
+      "the\n"
+      "step; it may be below zero by the noise. threads_2_speedup is wall time: it needs two idle\n"
+      "cores.\n\n"
       "Examples:\n"
       "  torso bench\n"
       "  torso bench mjcf/human.xml --repetitions 15 --json");
