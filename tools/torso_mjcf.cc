@@ -41,7 +41,7 @@ constexpr double kBushing[4] = {1e4, 200, 5, 1};  // [N/m, Ns/m, Nm/rad, Nms/rad
 
 // Rows exist from this distance before the limit, so that the plugin can stop a fast ligament at
 // it. In falls from 2 m every ligament that took force began the step within 0.06 mm of its limit
-// at 600 Hz, and all but 4 in 10^5 within this distance at 200 Hz.
+// at 600 Hz, and all but 1 in 10^4 within 0.25 mm at 200 Hz.
 constexpr double kLigamentMargin = 0.0005;
 
 // Stiff enough to hold the band within a millimetre in a 2 m fall, soft enough for 200 Hz.
