@@ -374,6 +374,9 @@ TEST_F(Command, BenchMeasuresAndComparesWithTheFixedModel) {
   EXPECT_NEAR(both["rtf_200hz"].get<double>(), 1e6 / 200 / both["step_200hz_us"].get<double>(),
               1e-6);
   EXPECT_GT(both["threads_2_speedup"], 0);
+  // Neither of them has a torso.
+  EXPECT_EQ(both["parts_us"]["disc"], 0);
+  EXPECT_GT(both["parts_us"]["inertia"], 0);
 }
 
 }  // namespace
