@@ -74,15 +74,14 @@ struct DiscKernels {
   void (*solve)(const DiscGroupView&, const float* f, float* d);
   // Adds to d the nucleus' volume term, of which the metric has the present gradient (work, see
   // forces). response (nnode x 3): solution for that gradient, or for the one at rest where the two
-  // are near enough. pressure_change (8): rise of its pressure that d brings [Pa].
+  // are near enough. pressure_change (8): rise of its pressure that d brings [Pa]; change (8): the
+  // largest component of d [m].
   void (*nucleus)(const DiscGroupView&, const float* work, const float* response, float* d,
-                  float* pressure_change);
+                  float* pressure_change, float* change);
   // Free part of the present gradient (work) of the nucleus' volume (nnode x 3 x 8) [m^2].
   void (*gradient)(const DiscGroupView&, const float* work, float* out);
-  // d = factor (8) times d, no component larger than `largest` (8), and u += d; free part. change
-  // (8) is the largest component of d before that.
-  void (*apply)(const DiscGroupView&, const float* factor, const float* largest, float* d, float* u,
-                float* change);
+  // Adds factor (8) times d to u, free part.
+  void (*apply)(const DiscGroupView&, const float* factor, const float* d, float* u);
   // Work (8) of the forces f along d, free part [J].
   void (*slope)(const DiscGroupView&, const float* f, const float* d, float* out);
   void (*store)(const DiscGroupView&, const float* u, double* state);

@@ -110,7 +110,8 @@ void part(benchmark::State& state) {
         kernels.solve(view, f.data(), d.data());
         break;
       case kNucleus:
-        kernels.nucleus(view, work.data(), view.nucleus_response, d.data(), pressure.data());
+        kernels.nucleus(view, work.data(), view.nucleus_response, d.data(), pressure.data(),
+                        out.data());
         break;
     }
     benchmark::ClobberMemory();

@@ -224,7 +224,7 @@ TEST_F(DiscBatchTest, ConvergesToTheReference) {
         EXPECT_NEAR(run.wrenches[i].pressure, reference.wrench().pressure,
                     1e-3 * std::abs(reference.wrench().pressure) + 100);
         EXPECT_NEAR(run.wrenches[i].nucleus_pressure, reference.wrench().nucleus_pressure,
-                    1e-3 * std::abs(reference.wrench().nucleus_pressure) + 100);
+                    1e-3 * std::abs(reference.wrench().nucleus_pressure) + 500);
 
         std::vector<double> x(3 * discs[i].mesh.rest_positions.size());
         run.batch.positions(static_cast<int>(i), run.poses[i], run.state.data(), x.data());
@@ -602,7 +602,8 @@ TEST_F(DiscBatchTest, AbsurdPosesStayFiniteAndAreForgotten) {
 // stands still.
 TEST_F(DiscBatchTest, LargeStrainsSettle) {
   for (const DiscPose& pose : {discPose({0, 15, 0}, {0, 0, 0}), discPose({0, -15, 0}, {0, 0, 0}),
-                               discPose({0, 0, 20}, {0, 0, 0}), discPose({0, 0, 0}, {0, 0, -4})}) {
+                               discPose({0, 0, 20}, {0, 0, 0}), discPose({0, 0, 0}, {0, 0, -1}),
+                               discPose({0, 0, 0}, {0, 0, -2}), discPose({0, 0, 0}, {0, 0, -4})}) {
     BatchRun run({{makeDiscMesh(kLumbarShape), kDiscMaterial}});
     run.poses[0] = pose;
     ReferenceDisc reference(run.batch.disc(0).mesh, kDiscMaterial);
