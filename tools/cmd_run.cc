@@ -251,7 +251,6 @@ void run(Options options) {
   std::optional<VtuFolder> vtu_folder;
   if (!options.vtu_folder.empty()) {
     if (torso.ndisc == 0) throw Error(options.model + ": the model has no discs to write");
-    vtu_folder.emplace(options.vtu_folder, options.rollout.seed0);
     std::vector<double>& times = options.vtu_times;
     std::sort(times.begin(), times.end());
     times.erase(std::unique(times.begin(), times.end()), times.end());
@@ -259,6 +258,7 @@ void run(Options options) {
       throw Error(
           fmt::format("--vtu-at {}: the run ends at {} s", times.back(), options.rollout.seconds));
     }
+    vtu_folder.emplace(options.vtu_folder, options.rollout.seed0);
     observers.push_back({1 / options.vtu_interval,
                          [&](const mjModel* model, const mjData* d) { vtu_folder->add(model, d); },
                          times});

@@ -120,8 +120,20 @@ std::vector<std::array<Vector3d, 3>> smoothNormals(const std::vector<Face>& face
   return normals;
 }
 
-constexpr int kMapWidth = 256;     // [texels]
-constexpr float kEmission = 0.3f;  // light of its own that leaves colours legible in the shade
+constexpr int kGroup = 1;       // of skins: that of the layer discs
+constexpr int kMapWidth = 256;  // [texels]
+// Half of what is seen of a colour is light of its own, which leaves it legible in the shade, and
+// in full light it is not brighter than in the legend.
+constexpr float kGrey = 0.7f, kEmission = 0.6f;
+
+// The least of 1, 2 or 5 times a power of ten that is not less than x > 0.
+double niceStep(double x) {
+  const double power = std::pow(10, std::floor(std::log10(x)));
+  for (double step : {power, 2 * power, 5 * power}) {
+    if (step >= x) return step;
+  }
+  return 10 * power;
+}
 
 }  // namespace
 
@@ -143,13 +155,8 @@ std::array<double, 2> discRange(const mjModel* m, const std::vector<const mjData
   const double low = quantity == DiscQuantity::kMises ? 0 : quantile(0.01);
   // Discs at rest have all one value; so small a stress is of no account.
   const double high = std::max(quantile(0.99), low + 1e3);
-  // Four steps of 1, 2, 2.5 or 5 times a power of ten.
-  for (double power = std::pow(10, std::floor(std::log10((high - low) / 4)));; power *= 10) {
-    for (double step : {power, 2 * power, 2.5 * power, 5 * power}) {
-      const double start = std::floor(low / step + 1e-9) * step;
-      if (start + 4 * step > high) return {start, start + 4 * step};
-    }
-  }
+  const double step = niceStep((high - low) / 20);
+  return {std::floor(low / step) * step, std::ceil(high / step) * step};
 }
 
 DiscSkin::DiscSkin(const mjModel* m, const mjData* d, const DiscColours& colours) : model_(*m) {
@@ -214,7 +221,7 @@ void DiscSkin::addMaterial() {
   append<float>(m.mat_specular, m.nmat, {0});
   append<float>(m.mat_shininess, m.nmat, {0});
   append<float>(m.mat_reflectance, m.nmat, {0});
-  append<float>(m.mat_rgba, 4 * m.nmat, {1, 1, 1, 1});
+  append<float>(m.mat_rgba, 4 * m.nmat, {kGrey, kGrey, kGrey, 1});
   m.ntex++;
   m.ntexdata += static_cast<int>(texture.size());
   m.nmat++;
@@ -228,7 +235,7 @@ void DiscSkin::addSkin(const std::vector<float>& texcoords) {
   std::vector<int> face(vertices);
   std::iota(face.begin(), face.end(), 0);
   append<int>(m.skin_matid, m.nskin, {m.nmat - 1});
-  append<int>(m.skin_group, m.nskin, {1});
+  append<int>(m.skin_group, m.nskin, {kGroup});
   append<float>(m.skin_rgba, 4 * m.nskin, {0.5f, 0.5f, 0.5f, 1});  // the default: material's
   append<float>(m.skin_inflate, m.nskin, {0});
   append<int>(m.skin_vertadr, m.nskin, {m.nskinvert});
@@ -248,8 +255,9 @@ void DiscSkin::addSkin(const std::vector<float>& texcoords) {
   m.nskinface += vertices / 3;
 }
 
-void DiscSkin::place(mjvScene* scene) const {
-  if (positions_.empty()) return;
+void DiscSkin::place(const mjvOption& option, mjvScene* scene) const {
+  // Of a hidden skin MuJoCo leaves all vertices in one point.
+  if (positions_.empty() || !option.skingroup[kGroup]) return;
   const int adr = 3 * scene->skinvertadr[scene->nskin - 1];
   std::copy(positions_.begin(), positions_.end(), scene->skinvert + adr);
   std::copy(normals_.begin(), normals_.end(), scene->skinnormal + adr);
@@ -277,11 +285,18 @@ void drawLegend(const DiscColours& colours, mjrRect viewport, const mjrContext& 
                   static_cast<float>(c[1]), static_cast<float>(c[2]), 1);
   }
   const auto [low, high] = colours.range;
-  for (int k = 0; k <= 4; k++) {
-    const int row = bar.bottom + k * (bar.height - 1) / 4;
+  const auto tick = [&](double value) {
+    const int row = bar.bottom + static_cast<int>((value - low) / (high - low) * (bar.height - 1));
     mjr_rectangle({bar.left + bar.width, row, line / 3, 1}, 0, 0, 0, 1);
     write(bar.left + bar.width + line / 3, row, column - 2 * line,
-          fmt::format("{:.4g}", 1e-6 * (low + k * (high - low) / 4)));
+          fmt::format("{:.3g}", 1e-6 * value));
+  };
+  tick(low);
+  tick(high);
+  // Round values between, clear of the ends.
+  const double step = niceStep((high - low) / 5);
+  for (double k = std::ceil(low / step); k * step < high; k++) {
+    if (std::min(k * step - low, high - k * step) > 0.6 * step) tick(k * step);
   }
 }
 

@@ -35,8 +35,8 @@ class DiscSkin {
   // The model with this skin, in skin group 1, instead of the discs' own. For MuJoCo's visualiser
   // and renderer only.
   const mjModel* model() const { return &model_; }
-  // Put the skin where the discs are, after mjv_updateScene with model().
-  void place(mjvScene* scene) const;
+  // Put the skin where the discs are, after mjv_updateScene with model() and the same option.
+  void place(const mjvOption& option, mjvScene* scene) const;
 
  private:
   // Replace an array of model_, of so many numbers, by a copy with more at its end.

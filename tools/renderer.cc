@@ -71,6 +71,7 @@ struct Renderer::Stage {
     mjr_defaultContext(&gl);
     try {
       mjr_makeContext(m, &gl, height < 1400 ? mjFONTSCALE_100 : mjFONTSCALE_200);
+      if (height < 720) mjr_changeFont(mjFONTSCALE_50, &gl);  // mjr_makeContext takes it for 100
       mjr_setBuffer(mjFB_OFFSCREEN, &gl);
       const mjrRect largest = mjr_maxViewport(&gl);
       if (largest.width < width || largest.height < height) {
@@ -118,7 +119,7 @@ std::string Renderer::png(mjData* d, const mjvOption& option, mjvCamera camera) 
   }
   mjvScene& scene = stage_->scene;
   mjv_updateScene(m, d, &option, nullptr, &camera, mjCAT_ALL, &scene);
-  if (discs) discs->place(&scene);
+  if (discs) discs->place(option, &scene);
   const mjrRect viewport = {0, 0, width_, height_};
   mjr_render(viewport, &scene, &stage_->gl);
   if (discs_) drawLegend(*discs_, viewport, stage_->gl);
