@@ -12,7 +12,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kFlattest = 0.1;  // least ratio of volumes by which a stress is divided
+constexpr double kLeastJ = 0.1;  // ratio of volumes that a stress is divided by
 
 Matrix3d edges(const std::vector<Vector3d>& x, const std::array<int, 4>& t) {
   Matrix3d m;
@@ -32,6 +32,7 @@ Matrix3d cofactor(const Matrix3d& F) {
 struct Cell {
   double volume = 0, volume_now = 0;   // [m^3]
   Matrix3d mean = Matrix3d::Zero();    // integral of F, then F's mean
+  double J;                            // volume_now / volume, but for disasters
   double mu, slope;                    // shear modulus, derivative of the volume energy [Pa]
   Matrix3d piola = Matrix3d::Zero();   // of the fibres [Pa]
   Matrix3d cauchy = Matrix3d::Zero();  // of the fibres [Pa]
@@ -48,9 +49,8 @@ void addFibres(const DiscMaterial& m, const Vector3d& hoop, Cell* cell) {
     cell->stretch[k] = stretch;
     if (e == 0) continue;
     const double tension = m.fibre_modulus * (e + m.fibre_stiffening * e * e) / stretch;
-    const double J = std::max(cell->volume_now / cell->volume, kFlattest);
     cell->piola += tension * now * at_rest.transpose();
-    cell->cauchy += tension / J * now * now.transpose();
+    cell->cauchy += tension / cell->J * now * now.transpose();
   }
 }
 
@@ -78,6 +78,7 @@ std::vector<TetStress> discStress(const DiscMesh& mesh, const DiscMaterial& m,
     if (cell.volume == 0) continue;  // a disc without nucleus
     const double E = m.annulus_modulus, nu = m.annulus_poisson;
     cell.mean /= cell.volume;
+    cell.J = std::max(cell.volume_now / cell.volume, kLeastJ);
     cell.mu = c == nucleus ? m.nucleus_modulus / 3 : E / (2 * (1 + nu));
     const double lambda = c == nucleus ? m.nucleus_bulk_modulus - 2 * cell.mu / 3
                                        : E * nu / ((1 + nu) * (1 - 2 * nu));
@@ -89,10 +90,9 @@ std::vector<TetStress> discStress(const DiscMesh& mesh, const DiscMaterial& m,
   std::vector<TetStress> stress(mesh.tets.size());
   for (size_t e = 0; e < mesh.tets.size(); ++e) {
     const Cell& cell = cells[cellOf(e)];
-    const double J = std::max(F[e].determinant(), kFlattest);
     stress[e].piola = cell.mu * F[e] + cell.slope * cofactor(F[e]) + cell.piola;
-    stress[e].cauchy =
-        cell.mu / J * F[e] * F[e].transpose() + cell.slope * Matrix3d::Identity() + cell.cauchy;
+    stress[e].cauchy = cell.mu / cell.J * F[e] * F[e].transpose() +
+                       cell.slope * Matrix3d::Identity() + cell.cauchy;
     stress[e].fibre_stretch = cell.stretch;
   }
   return stress;

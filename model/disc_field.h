@@ -18,9 +18,9 @@ struct TetStress {
   // First Piola-Kirchhoff: force per area at rest. The nodal forces -dE/dx are exactly minus the
   // sum over the tets of V piola grad N, V and grad N at rest [Pa].
   Eigen::Matrix3d piola;
-  // Cauchy: force per area now, symmetric [Pa]. Its integral over a cell is that of
-  // piola F^T / det F, which the fibres' part is only on average, as the cell's fibres are one.
-  // A tet flatter than a tenth of its volume at rest, or inverted, counts as that flat.
+  // Cauchy: force per area now, symmetric [Pa]. A tet's volume is no concern of the energy, only
+  // that of its cell is, so what is divided by is the ratio J of the cell's volume to that at rest:
+  // summed over a cell, V J cauchy is exactly V piola F^T. (A J below a tenth counts as a tenth.)
   Eigen::Matrix3d cauchy;
   // Length of the two fibre families over that at rest; 1 in the nucleus, which has none.
   Eigen::Vector2d fibre_stretch;
