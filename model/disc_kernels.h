@@ -17,10 +17,9 @@ constexpr int kLanes = 8;
 // node" is 24 x its number: that of its first float in an array (node x 3).
 struct DiscGroupView {
   int nnode, nfree, nlower;
-  const float* rest;  // (node x 3) rest position [m]
-  // Minus what rounding makes of the forces at rest (node x 3) [N] and the nucleus' pressure (1).
-  const float *force_error, *pressure_error;
-  const float* limit;  // (1) largest displacement that is believed [m]
+  const float* rest;         // (node x 3) rest position [m]
+  const float* force_error;  // (node x 3) minus what rounding makes of the forces at rest [N]
+  const float* limit;        // (1) largest displacement that is believed [m]
 
   // Shear: rows of DiscElasticity::laplacian.
   const int* shear_row;     // (nnode + 1) first entry of each node's row
@@ -49,6 +48,7 @@ struct DiscGroupView {
   const float* response;          // (nfree x 3 x 6) DiscElasticity::response
   const float* wrench_response;   // (nfree x 3 x 6) DiscElasticity::response_without_nucleus
   const float* nucleus_response;  // (nfree x 3) DiscElasticity::nucleus_response
+  const float* nucleus_gradient;  // (nucleus' node x 3) of 6 x its volume at rest [m^2]
   const float* nucleus_wrench;    // (6) wrench on the upper bone per pressure of the nucleus, with
                                   // the free nodes in equilibrium [m^2], [m^3]
 };
@@ -62,8 +62,8 @@ struct DiscKernels {
   void (*predict)(const DiscGroupView&, const double* state, const float* keep,
                   const float* pose_change, float* u);
   // Local step: internal forces f (nnode x 3 x 8) [N] at displacements u, and the nucleus' pressure
-  // (8) [Pa]. work (nnode + 2 x nodes of the largest cell) x 3 x 8; its last part is left holding
-  // the gradient of the last cell's volume, for `nucleus`.
+  // (8) [Pa]. work (nnode + 3 x nodes of the largest cell) x 3 x 8 is left holding the gradient of
+  // the last cell's volume, for `nucleus` and `gradient`.
   void (*forces)(const DiscGroupView&, const float* u, float* f, float* pressure, float* work);
   // Wrench (6 x 8) on the upper bone in frame M: half the difference of the forces on the two
   // endplates. correction (6 x 8) is the work of the residual on the response to the bones' motion:
