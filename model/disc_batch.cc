@@ -47,8 +47,9 @@ constexpr int kPoseSize = 6, kWrench = 6, kPressure = 12, kSettled = 13, kHeader
 // Where the endplates move by more than this share of the disc's height relative to each other, a
 // full correction can overshoot and is checked, as it is where it is not the last.
 constexpr double kLargeStrain = 0.2;
-// Where by more than this share, the nucleus' response at rest no longer serves.
-constexpr double kVeryLargeStrain = 0.5;
+// From this iteration on the present response of the nucleus is used, as it is where that at rest
+// led uphill.
+constexpr int kExactIteration = 4;
 // A change of the pose in one evaluation that moves the endplates by more than this share of the
 // height starts from rest: the last shape tells nothing.
 constexpr double kTeleport = 0.5;
@@ -59,7 +60,7 @@ constexpr double kLargestChange = 0.5;
 constexpr double kSmallWrench = 1e-6;
 // It is checked unless it moves no node by more than this share of the disc's height: an overshoot
 // of that size does no harm.
-constexpr double kSmallChange = 1e-3;
+constexpr double kSmallChange = 4e-3;
 // A correction below this share of the disc's height says that the shape has settled: it changes
 // the wrench by less than 1e-5 of itself.
 constexpr double kSettledChange = 1e-6;
@@ -95,7 +96,8 @@ struct DiscBatch::Impl {
     alignas(64) float pressure[kLanes] = {};    // of the nucleus
     alignas(64) float active[kLanes] = {};      // 1 while the lane iterates, else 0
     bool deformed[kLanes] = {};                 // the endplates have moved by kLargeStrain
-    bool very_deformed[kLanes] = {};            // by kVeryLargeStrain
+    bool exact[kLanes] = {};                    // wants the present response of the nucleus
+    bool check[kLanes] = {};                    // the last step may have gone too far
     bool settled[kLanes] = {};
   };
   // Arrays of one evaluation, see DiscKernels.
@@ -119,8 +121,8 @@ struct DiscBatch::Impl {
   bool wrongWrench(const Group& group, int lane, const float* wrench, const float* correction,
                    double tolerance) const;
   int iterate(const Group& group, const Options& options, const Scratch& s, Lanes* lanes) const;
-  bool shorten(const Group& group, const Scratch& s, const float* before, float* factor,
-               float* pressure) const;
+  bool shorten(const Group& group, const Scratch& s, const float* before, Lanes* lanes,
+               float* factor, float* pressure) const;
   const float* nucleusResponse(const Group& group, const Scratch& s, const Lanes& lanes,
                                int iterations) const;
 
@@ -160,7 +162,6 @@ bool DiscBatch::Impl::attach(const Group& group, const DiscPose* poses, const do
     any_active |= !lanes->settled[lane];
     restartAfterTeleport(group, lane, new_state, lanes);
     const double large = kLargeStrain / 2 * height(group, lane);
-    const double very_large = kVeryLargeStrain / 2 * height(group, lane);
     const Matrix3d turn = frame.half - Matrix3d::Identity();
     for (int i = view.nfree; i < view.nnode; ++i) {
       const float* X = view.rest + 3 * kLanes * i + lane;
@@ -173,7 +174,6 @@ bool DiscBatch::Impl::attach(const Group& group, const DiscPose* poses, const do
       }
       for (int k = 0; k < 3; ++k) u[kLanes * (3 * i + k) + lane] = static_cast<float>(d[k]);
       lanes->deformed[lane] |= d.squaredNorm() > large * large;
-      lanes->very_deformed[lane] |= d.squaredNorm() > very_large * very_large;
     }
   }
   return any_active;
@@ -202,17 +202,18 @@ void DiscBatch::Impl::restartAfterTeleport(const Group& group, int lane, const d
 // work of the forces at the start along d. Lowers `factor`, the share of d that is kept, and brings
 // forces and pressure up to date. Returns false if no lane needed it.
 bool DiscBatch::Impl::shorten(const Group& group, const Scratch& s, const float* before,
-                              float* factor, float* pressure) const {
-  constexpr float kOvershoot = 0.3f;  // force left, relative to that before, that is put up with
+                              Lanes* lanes, float* factor, float* pressure) const {
+  constexpr float kOvershoot = 0.7f;  // force left, relative to that before, that is put up with
   const DiscKernels& kernels = *kernelsInUse().load(std::memory_order_relaxed);
   const DiscGroupView& view = group.data.view();
   alignas(64) float after[kLanes], back[kLanes] = {};
   kernels.slope(view, s.f, s.d, after);
   bool any = false;
   for (int lane = 0; lane < static_cast<int>(group.discs.size()); ++lane) {
-    if (factor[lane] == 0) continue;
+    if (!lanes->check[lane]) continue;
     if (before[lane] > 0 && after[lane] >= -kOvershoot * before[lane]) continue;
     const float keep = before[lane] > 0 ? before[lane] / (before[lane] - after[lane]) : 0;
+    lanes->exact[lane] |= keep == 0;
     back[lane] = (keep - 1) * factor[lane];
     factor[lane] *= keep;
     any = true;
@@ -231,7 +232,7 @@ const float* DiscBatch::Impl::nucleusResponse(const Group& group, const Scratch&
   const DiscGroupView& view = group.data.view();
   bool exact[kLanes] = {}, any = false;
   for (int lane = 0; lane < kLanes; ++lane) {
-    exact[lane] = lanes.very_deformed[lane] || iterations > (lanes.deformed[lane] ? 1 : 2);
+    exact[lane] = lanes.exact[lane] || iterations >= kExactIteration;
     any |= exact[lane] && lanes.active[lane] != 0;
   }
   if (!view.nucleus || !any) return view.nucleus_response;
@@ -285,6 +286,7 @@ int DiscBatch::Impl::iterate(const Group& group, const Options& options, const S
     for (int lane = 0; lane < kLanes; ++lane) {
       const double h = height(group, lane < nlane ? lane : 0);
       factor[lane] = lanes->active[lane];
+      lanes->check[lane] = false;
       if (lanes->active[lane] == 0) continue;
       if (change[lane] > kLargestChange * h) {
         factor[lane] = static_cast<float>(kLargestChange * h / change[lane]);
@@ -292,7 +294,8 @@ int DiscBatch::Impl::iterate(const Group& group, const Options& options, const S
       more[lane] = change[lane] > options.tolerance * h ||
                    wrongWrench(group, lane, ends, correction, options.wrench_tolerance);
       again |= more[lane];
-      check |= (lanes->deformed[lane] || more[lane]) && change[lane] > kSmallChange * h;
+      lanes->check[lane] = (lanes->deformed[lane] || more[lane]) && change[lane] > kSmallChange * h;
+      check |= lanes->check[lane];
     }
     again &= iterations < options.max_iterations;
     kernels.apply(view, factor, s.d, s.u);
@@ -300,7 +303,7 @@ int DiscBatch::Impl::iterate(const Group& group, const Options& options, const S
       kernels.slope(view, s.f, s.d, work);
       kernels.forces(view, s.u, s.f, pressure_ahead, s.work);
       for (int i = 0; check && i < kMostShortenings; ++i) {
-        if (!shorten(group, s, work, factor, pressure_ahead)) break;
+        if (!shorten(group, s, work, lanes, factor, pressure_ahead)) break;
       }
     }
     for (int lane = 0; lane < nlane; ++lane) {
