@@ -2,6 +2,7 @@
 #include "model/anatomy.h"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "model/csv.h"
@@ -89,6 +90,53 @@ void readMaterial(const CsvTable& t, Disc* disc) {
 Vector3d facetNormal(double to_transverse, double from_frontal) {
   const Vector3d back(-std::sin(to_transverse), 0, std::cos(to_transverse));
   return AngleAxisd(from_frontal, Vector3d::UnitZ()) * back;
+}
+
+DiscTest readDiscTest(const CsvTable& t, int i) {
+  using Quantity = DiscTest::Quantity;
+  DiscTest d;
+  d.region = static_cast<Region>(t.word(i, "region", {"lumbar", "thoracic", "cervical"}));
+  d.quantity =
+      static_cast<Quantity>(t.word(i, "quantity",
+                                   {"compression", "tension", "anterior_shear", "posterior_shear",
+                                    "lateral_shear", "flexion", "extension", "lateral_bending",
+                                    "axial_torsion", "pressure", "loss_factor", "preload_ratio"}));
+  d.whole_segment = t.word(i, "specimen", {"disc", "fsu"}) == 1;
+  d.fit = t.word(i, "fit", {"0", "1"}) == 1;
+
+  double unit;
+  if (d.quantity <= Quantity::kLateralShear) {
+    t.word(i, "unit", {"N/mm"});
+    unit = 1 / kMm;
+  } else if (d.quantity <= Quantity::kAxialTorsion) {
+    t.word(i, "unit", {"Nm/deg"});
+    unit = 1 / kDeg;
+  } else if (d.quantity == Quantity::kPressure) {
+    t.word(i, "unit", {"MPa"});
+    unit = 1e6;
+  } else {
+    t.word(i, "unit", {"-"});
+    unit = 1;
+  }
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  d.load = t.number(i, "load");
+  d.preload = t.number(i, "preload_n");
+  d.value = t.number(i, "value") * unit;
+  d.low = t.empty(i, "low") ? -kInfinity : t.number(i, "low") * unit;
+  d.high = t.empty(i, "high") ? kInfinity : t.number(i, "high") * unit;
+  if (d.load < 0 || d.preload < 0) {
+    throw std::runtime_error(t.where(i) + ": load and preload_n must not be negative");
+  }
+  if (!(d.value > 0 && d.low <= d.value && d.value <= d.high)) {
+    throw std::runtime_error(t.where(i) + ": value must be positive and from low to high");
+  }
+  if (d.fit && !(std::isfinite(d.low) && std::isfinite(d.high))) {
+    throw std::runtime_error(t.where(i) + ": a row to fit needs low and high");
+  }
+  d.source = t.text(i, "source");
+  d.provenance = t.text(i, "provenance");
+  d.note = t.text(i, "note");
+  return d;
 }
 
 }  // namespace
@@ -223,6 +271,11 @@ Anatomy Anatomy::load(const std::string& folder) {
     a.range_of_motion[rom.text(i, "disc")] = {
         rom.number(i, "flexion_deg") * kDeg, rom.number(i, "extension_deg") * kDeg,
         rom.number(i, "lateral_bending_deg") * kDeg, rom.number(i, "axial_rotation_deg") * kDeg};
+  }
+
+  const CsvTable disc_tests(folder + "/disc_tests.csv");
+  for (int i = 0; i < disc_tests.rows(); i++) {
+    a.disc_tests.push_back(readDiscTest(disc_tests, i));
   }
   return a;
 }

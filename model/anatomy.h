@@ -104,6 +104,36 @@ struct RangeOfMotion {  // [rad], > 0
   double flexion, extension, lateral_bending, axial_rotation;
 };
 
+// A published in-vitro test of discs, or of whole motion segments, of one region; what the columns
+// mean is told at the top of disc_tests.csv.
+struct DiscTest {
+  enum class Quantity {
+    kCompression,  // stiffness [N/m], as are the next four
+    kTension,
+    kAnteriorShear,
+    kPosteriorShear,
+    kLateralShear,
+    kFlexion,  // stiffness [Nm/rad], as are the next three
+    kExtension,
+    kLateralBending,
+    kAxialTorsion,
+    kPressure,      // in the nucleus [Pa]
+    kLossFactor,    // tan of the phase angle
+    kPreloadRatio,  // stiffness under the preload over stiffness without
+  };
+  Region region;
+  Quantity quantity;
+  bool whole_segment;      // else the disc alone, without posterior elements
+  double load;             // where the value holds [N], [Nm]; 0: small displacements
+  double preload;          // axial compression held during the test [N]
+  double value;            // > 0
+  double low, high;        // low <= value <= high; -infinity, infinity where nothing is published
+  bool fit;                // a calibration aims at it; its bounds are finite
+  std::string source;      // key of the list at the top of the table
+  std::string provenance;  // one of the words explained there
+  std::string note;
+};
+
 struct Anatomy {
   std::vector<Vertebra> vertebrae;  // L5 .. C3, from below
   Vertebra c2;                      // part of the head body
@@ -116,6 +146,7 @@ struct Anatomy {
   std::vector<BallJoint> joints;
   std::vector<Servo> servos;
   std::map<std::string, RangeOfMotion> range_of_motion;  // by disc
+  std::vector<DiscTest> disc_tests;                      // not used by the model
 
   // Throws std::runtime_error that names the file, line and column at fault.
   static Anatomy load(const std::string& folder);
@@ -136,7 +167,8 @@ struct Anatomy {
   // A body of the same shape with all lengths times `length` and all masses times `mass`, both > 0,
   // that moves in the same time: inertias, and stiffness, damping, gain and force limit of joints
   // and servos, go with mass * length^2, moduli of discs with mass / length (their linear stiffness
-  // with mass). Angles, times and Poisson's ratio stay.
+  // with mass). Angles, times and Poisson's ratio stay, and so do disc_tests, which are the
+  // figures of publications.
   Anatomy scaled(double length, double mass) const;
 };
 

@@ -71,6 +71,18 @@ double CsvTable::number(int row, const std::string& column) const {
   return value;
 }
 
+int CsvTable::word(int row, const std::string& column,
+                   const std::vector<std::string>& words) const {
+  const std::string& cell = text(row, column);
+  std::string list;
+  for (std::size_t i = 0; i < words.size(); i++) {
+    if (cell == words[i]) return static_cast<int>(i);
+    list += (i ? ", " : "") + words[i];
+  }
+  throw std::runtime_error(where(row) + ": column '" + column + "' holds '" + cell +
+                           "', which is none of " + list);
+}
+
 int CsvTable::find(const std::string& column, const std::string& value) const {
   for (int row = 0; row < rows(); row++) {
     if (text(row, column) == value) return row;

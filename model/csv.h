@@ -19,13 +19,15 @@ class CsvTable {
   const std::string& text(int row, const std::string& column) const;
   // Cell as a finite number. Throws "file:line: column ... is not a number".
   double number(int row, const std::string& column) const;
+  // Index in `words` of the cell. Throws "file:line: column ... is none of ..." if it is not there.
+  int word(int row, const std::string& column, const std::vector<std::string>& words) const;
   bool empty(int row, const std::string& column) const { return text(row, column).empty(); }
   // First row whose `column` holds `value`; throws if there is none.
   int find(const std::string& column, const std::string& value) const;
-
- private:
+  // "file:line" of a row, for messages about what its cells say together.
   std::string where(int row) const;
 
+ private:
   std::string path_;
   std::unordered_map<std::string, int> columns_;
   std::vector<std::vector<std::string>> cells_;

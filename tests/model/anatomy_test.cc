@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
+#include <stdexcept>
+#include <utility>
 
 #include "model/facet.h"
 #include "model/ligament.h"
@@ -14,6 +17,7 @@ namespace torso {
 namespace {
 
 using Eigen::Vector3d;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
 constexpr double kDegree = M_PI / 180;
@@ -125,6 +129,61 @@ TEST_F(AnatomyTest, EveryLevelHasARangeOfMotionAndAFacet) {
   }
 }
 
+// The 492 N/mm and 0.42 Nm/deg of cervical discs that Moroney et al. 1988 measured.
+TEST_F(AnatomyTest, DiscTestsAreInSiUnits) {
+  using Quantity = DiscTest::Quantity;
+  const auto find = [](Quantity quantity) {
+    for (const DiscTest& test : anatomy().disc_tests) {
+      if (test.region == Region::kCervical && test.quantity == quantity && !test.whole_segment &&
+          test.source == "Moroney 1988") {
+        return test;
+      }
+    }
+    throw std::runtime_error("no such test");
+  };
+  EXPECT_NEAR(find(Quantity::kCompression).value, 492e3, 1e-6);
+  EXPECT_NEAR(find(Quantity::kCompression).load, 73.6, 1e-12);
+  EXPECT_NEAR(find(Quantity::kAxialTorsion).value, 24.06, 0.01);
+  EXPECT_NEAR(find(Quantity::kAxialTorsion).preload, 49, 1e-12);
+}
+
+TEST_F(AnatomyTest, EveryQuantityOfARegionHasOneDiscTestToFit) {
+  std::map<std::pair<Region, DiscTest::Quantity>, int> fits;
+  for (const DiscTest& test : anatomy().disc_tests) {
+    if (!test.fit) continue;
+    fits[{test.region, test.quantity}]++;
+    EXPECT_FALSE(test.whole_segment);
+  }
+  EXPECT_EQ(fits.size(), 3u * 12u);
+  for (const auto& [what, count] : fits) EXPECT_EQ(count, 1);
+}
+
+// A whole segment adds facets and ligaments to its disc. Tests of the two agree with that where one
+// publication measured both under the same loads; posterior shear is equal within the rounding.
+TEST_F(AnatomyTest, WholeSegmentsAreStifferThanTheirDiscs) {
+  int compared = 0;
+  for (const DiscTest& segment : anatomy().disc_tests) {
+    for (const DiscTest& disc : anatomy().disc_tests) {
+      if (!segment.whole_segment || disc.whole_segment || segment.source != disc.source ||
+          segment.quantity != disc.quantity ||
+          segment.quantity == DiscTest::Quantity::kPreloadRatio) {
+        continue;
+      }
+      EXPECT_GT(segment.value, 0.97 * disc.value) << disc.source;
+      compared++;
+    }
+  }
+  EXPECT_EQ(compared, 8);
+}
+
+TEST_F(AnatomyTest, DiscTestsTellWhereTheyComeFrom) {
+  for (const DiscTest& test : anatomy().disc_tests) {
+    EXPECT_THAT(test.provenance, AnyOf("measured", "quoted", "recalled", "blend", "assumed"));
+    EXPECT_NE(test.source, "");
+    EXPECT_NE(test.note, "") << test.source;
+  }
+}
+
 TEST_F(AnatomyTest, MirrorKeepsTheFlowOfARotation) {
   const Vector3d axis = Vector3d(0.3, -0.5, 0.8).normalized(), point(0.1, 0.2, 0.3);
   const Eigen::AngleAxisd turn(0.7, axis), mirrored_turn(0.7, mirrorAxis(axis));
@@ -198,6 +257,49 @@ TEST_F(DamagedAnatomyTest, DiscTooFew) {
   copy.eraseLine("discs.csv", "L4/L5,");
   EXPECT_EQ(loadError(),
             copy.folder() + "/discs.csv: 22 discs for 22 free vertebrae; there must be one more");
+}
+
+TEST_F(DamagedAnatomyTest, DiscTestThatCannotBe) {
+  const std::string row = "cervical,compression,disc,73.6,0,492,246,738,N/mm,1,";
+  const std::pair<std::string, std::string> damages[] = {
+      {"sacral,compression,disc,73.6,0,492,246,738,N/mm,1,",
+       ": column 'region' holds 'sacral', which is none of lumbar, thoracic, cervical"},
+      {"cervical,squeeze,disc,73.6,0,492,246,738,N/mm,1,",
+       ": column 'quantity' holds 'squeeze', which is none of compression, tension, "},
+      {"cervical,compression,bone,73.6,0,492,246,738,N/mm,1,",
+       ": column 'specimen' holds 'bone', which is none of disc, fsu"},
+      {"cervical,compression,disc,73.6,0,492,246,738,Nm/deg,1,",
+       ": column 'unit' holds 'Nm/deg', which is none of N/mm"},
+      {"cervical,compression,disc,73.6,0,492,246,738,N/mm,yes,",
+       ": column 'fit' holds 'yes', which is none of 0, 1"},
+      {"cervical,compression,disc,some,0,492,246,738,N/mm,1,",
+       ": column 'load' holds 'some', which is not a number"},
+      {"cervical,compression,disc,73.6,0,492,500,738,N/mm,1,",
+       ": value must be positive and from low to high"},
+      {"cervical,compression,disc,73.6,0,492,246,400,N/mm,1,",
+       ": value must be positive and from low to high"},
+      {"cervical,compression,disc,73.6,0,0,0,738,N/mm,1,",
+       ": value must be positive and from low to high"},
+      {"cervical,compression,disc,-1,0,492,246,738,N/mm,1,",
+       ": load and preload_n must not be negative"},
+      {"cervical,compression,disc,73.6,0,492,,738,N/mm,1,", ": a row to fit needs low and high"},
+  };
+  for (const auto& [damaged, message] : damages) {
+    const int line = copy.replace("disc_tests.csv", row, damaged);
+    EXPECT_THAT(loadError(),
+                HasSubstr(copy.path("disc_tests.csv") + ":" + std::to_string(line) + message));
+    copy.replace("disc_tests.csv", damaged, row);
+  }
+  EXPECT_EQ(loadError(), "no error");
+}
+
+TEST_F(DamagedAnatomyTest, DiscTestWithoutPublishedBoundsIsUnbounded) {
+  copy.replace("disc_tests.csv", "cervical,compression,disc,73.6,0,492,246,738,N/mm,1,",
+               "cervical,compression,disc,73.6,0,492,,,N/mm,0,");
+  for (const DiscTest& test : Anatomy::load(copy.folder()).disc_tests) {
+    EXPECT_LE(test.low, test.value);
+    EXPECT_LE(test.value, test.high);
+  }
 }
 
 TEST_F(DamagedAnatomyTest, LastVertebraIsNotC2) {

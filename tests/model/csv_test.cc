@@ -42,6 +42,16 @@ TEST_F(CsvTest, ReadsCellsByColumnName) {
   EXPECT_EQ(t.find("name", "right"), 1);
 }
 
+TEST_F(CsvTest, WordsAreKnownByTheirPlaceInTheList) {
+  const CsvTable t = table("name,unit\na,mm\nb,inch\n");
+  EXPECT_EQ(t.word(0, "unit", {"m", "mm"}), 1);
+  EXPECT_EQ(message([&] {
+              t.word(1, "unit", {"m", "mm"});
+            }),
+            path + ":3: column 'unit' holds 'inch', which is none of m, mm");
+  EXPECT_EQ(t.where(1), path + ":3");
+}
+
 TEST_F(CsvTest, QuotedCellsMayHoldCommas) {
   const CsvTable t = table("name,source,x\na,\"one, two\",3\n");
   EXPECT_EQ(t.text(0, "source"), "one, two");
