@@ -79,11 +79,11 @@ struct DiscWrench {
 };
 
 // Structured mesh: a fan and rings of triangles times layers of prisms of 3 tets. The nucleus takes
-// 43 % of the area and lies behind the centre by a tenth of the depth; the annulus has two rings of
-// 12 sectors; 4 layers. A cell of the annulus is one sector of one ring, two layers high. Defaults:
-// 185 nodes, 720 tets, 48 cells. `refinement` multiplies rings, sectors and layers. The topology
-// does not depend on the shape, and is mirror symmetric about the sagittal plane and about z = 0.
-// The outline is convex, flattened behind, its area 0.82 x width x depth. Throws
+// 43 % of the area and lies behind the centre by a twentieth of the depth; the annulus has two
+// rings of 12 sectors; 4 layers. A cell of the annulus is one sector of one ring, two layers high.
+// Defaults: 185 nodes, 720 tets, 48 cells. `refinement` multiplies rings, sectors and layers. The
+// topology does not depend on the shape, and is mirror symmetric about the sagittal plane and about
+// z = 0. The outline is convex, flattened behind, its area 0.82 x width x depth. Throws
 // std::invalid_argument if a size is not positive, or refinement < 1.
 DiscMesh makeDiscMesh(const DiscShape& shape, int refinement = 1);
 

@@ -39,13 +39,20 @@ std::atomic<const DiscKernels*>& kernelsInUse() {
   return kernels;
 }
 
-// The state of a group: (6 + 3 nfree) x 8 doubles. The first six are the pose that the rest belongs
-// to, as twice the offset and twice the `rotation` of HalfwayFrame; zero is rest.
-constexpr int kPoseSize = 6;
+// The state of a group: (kHeader + 3 nfree) x 8 doubles. The first six are the pose that the rest
+// belongs to, as twice the offset and twice the `rotation` of HalfwayFrame; then the wrench in
+// frame M (6), the nucleus' pressure, and 1 if the shape had settled. Zeros are rest.
+constexpr int kPoseSize = 6, kWrench = 6, kPressure = 12, kSettled = 13, kHeader = 14;
 
 // Where the endplates move by more than this share of the disc's height relative to each other, a
-// full correction with the rest Hessian can overshoot and its length is chosen by the curvature.
+// full correction can overshoot and is checked.
 constexpr double kLargeStrain = 0.2;
+// It is checked unless it moves no node by more than this share of the disc's height: an overshoot
+// of that size does no harm.
+constexpr double kSmallChange = 1e-3;
+// A correction below this share of the disc's height says that the shape has settled: it changes
+// the wrench by less than 1e-5 of itself.
+constexpr double kSettledChange = 1e-6;
 
 // The pose with a position no longer than `limit`: beyond it the disc's answer means nothing, but
 // must stay finite.
@@ -74,45 +81,71 @@ struct DiscBatch::Impl {
   struct Lanes {
     alignas(64) float pose_change[kPoseSize * kLanes] = {};
     alignas(64) float wrench[6 * kLanes] = {};  // on the upper bone, frame M
-    alignas(64) float largest[kLanes] = {};     // correction that is taken at once [m]
-    alignas(64) float threshold[kLanes] = {};   // correction that asks for another iteration [m]
+    alignas(64) float pressure[kLanes] = {};    // of the nucleus
     alignas(64) float active[kLanes] = {};      // 1 while the lane iterates, else 0
+    alignas(64) float largest[kLanes] = {};     // correction that is taken at once [m]
+    float threshold[kLanes] = {};               // correction that asks for another iteration [m]
     bool deformed[kLanes] = {};                 // the endplates have moved by kLargeStrain
+    bool settled[kLanes] = {};
+  };
+  // Arrays of one evaluation, see DiscKernels.
+  struct Scratch {
+    Scratch(void* memory, int nnode)
+        : u(static_cast<float*>(memory)),
+          f(u + 3 * kLanes * nnode),
+          d(f + 3 * kLanes * nnode),
+          work(d + 3 * kLanes * nnode) {}
+    float *u, *f, *d, *work;
   };
 
-  void attach(const Group& group, const DiscPose* poses, const Options& options,
+  double height(const Group& group, int lane) const {
+    return discs[group.discs[lane]].elasticity.height;
+  }
+  bool attach(const Group& group, const DiscPose* poses, const Options& options,
               const double* old_state, double* new_state, float* u, Lanes* lanes) const;
-  int iterate(const Group& group, const Options& options, float* u, float* f, Lanes* lanes) const;
+  int iterate(const Group& group, const Options& options, const Scratch& s, Lanes* lanes) const;
+  void shorten(const Group& group, const Scratch& s, const float* before, Lanes* lanes,
+               float* factor) const;
 
   std::vector<DiscData> discs;
   std::vector<Group> groups;
   int state_size = 0;
   int largest_nnode = 0;
+  std::size_t largest_work = 0;
 };
 
-// Brings the attached nodes to their bones in frame M, and the poses to the state.
-void DiscBatch::Impl::attach(const Group& group, const DiscPose* poses, const Options& options,
+// Brings the attached nodes to their bones in frame M, and the poses to the state. Returns false if
+// no lane has anything to do.
+bool DiscBatch::Impl::attach(const Group& group, const DiscPose* poses, const Options& options,
                              const double* old_state, double* new_state, float* u,
                              Lanes* lanes) const {
   const DiscGroupView& view = group.data.view();
   std::fill(u + 3 * kLanes * view.nfree, u + 3 * kLanes * view.nnode, 0.0f);
-  for (int k = 0; k < kPoseSize; ++k) {
+  for (int k = 0; k < kHeader; ++k) {
     // Lanes without a disc stay at rest.
     std::fill(new_state + kLanes * k + group.discs.size(), new_state + kLanes * (k + 1), 0.0);
   }
+  bool any_active = false;
   for (int lane = 0; lane < static_cast<int>(group.discs.size()); ++lane) {
-    const double height = discs[group.discs[lane]].elasticity.height;
     const HalfwayFrame frame(limited(poses[group.discs[lane]], view.limit[lane]));
+    bool moved = false;
     for (int k = 0; k < kPoseSize; ++k) {
       const double value = 2 * (k < 3 ? frame.offset[k] : frame.rotation[k - 3]);
-      lanes->pose_change[kLanes * k + lane] =
-          static_cast<float>(value - old_state[kLanes * k + lane]);
+      const double change = value - old_state[kLanes * k + lane];
+      moved |= change != 0;
+      lanes->pose_change[kLanes * k + lane] = static_cast<float>(change);
       new_state[kLanes * k + lane] = value;
+      lanes->wrench[kLanes * k + lane] =
+          static_cast<float>(old_state[kLanes * (kWrench + k) + lane]);
     }
-    const double large = kLargeStrain / 2 * height;
+    lanes->pressure[lane] = static_cast<float>(old_state[kLanes * kPressure + lane]);
+    lanes->settled[lane] = !moved && old_state[kLanes * kSettled + lane] != 0;
+    lanes->active[lane] = lanes->settled[lane] ? 0 : 1;
+    any_active |= !lanes->settled[lane];
+    const double large = kLargeStrain / 2 * height(group, lane);
     const Matrix3d turn = frame.half - Matrix3d::Identity();
     for (int i = view.nfree; i < view.nnode; ++i) {
-      const float* X = view.rest + 3 * kLanes * (i - view.nfree) + lane;
+      const float* X = view.rest + 3 * kLanes * i + lane;
       const Vector3d rest(X[0], X[kLanes], X[2 * kLanes]);
       Vector3d d;
       if (i < view.nfree + view.nlower) {
@@ -123,50 +156,77 @@ void DiscBatch::Impl::attach(const Group& group, const DiscPose* poses, const Op
       for (int k = 0; k < 3; ++k) u[kLanes * (3 * i + k) + lane] = static_cast<float>(d[k]);
       lanes->deformed[lane] |= d.squaredNorm() > large * large;
     }
-    lanes->active[lane] = 1;
-    lanes->largest[lane] = static_cast<float>(0.5 * height);
-    lanes->threshold[lane] = static_cast<float>(options.tolerance * height);
+    lanes->largest[lane] = static_cast<float>(0.5 * height(group, lane));
+    lanes->threshold[lane] = static_cast<float>(options.tolerance * height(group, lane));
   }
+  return any_active;
+}
+
+// Where the forces after the correction d point back along it, the energy's minimum along d lies
+// before its end: goes back to where a parabola has it. before: work of the forces at the start
+// along d. Lowers `factor`, the share of the correction that is kept.
+void DiscBatch::Impl::shorten(const Group& group, const Scratch& s, const float* before,
+                              Lanes* lanes, float* factor) const {
+  constexpr float kOvershoot = 0.3f;  // force left, relative to that before, that is put up with
+  const DiscKernels& kernels = *kernelsInUse().load(std::memory_order_relaxed);
+  const DiscGroupView& view = group.data.view();
+  alignas(64) float after[kLanes], back[kLanes] = {}, change[kLanes], pressure[kLanes];
+  kernels.slope(view, s.f, s.d, after);
+  bool any = false;
+  for (int lane = 0; lane < static_cast<int>(group.discs.size()); ++lane) {
+    if (!lanes->deformed[lane] || !(before[lane] > 0)) continue;
+    if (after[lane] >= -kOvershoot * before[lane]) continue;
+    const float keep = before[lane] / (before[lane] - after[lane]);
+    back[lane] = keep - 1;
+    factor[lane] *= keep;
+    any = true;
+  }
+  if (!any) return;
+  kernels.apply(view, back, lanes->largest, s.d, s.u, change);
+  kernels.forces(view, s.u, s.f, pressure, s.work);
 }
 
 // Iterates until no lane asks for more; returns the number of iterations. A lane that is done keeps
 // its shape and wrench, so that a disc's answer does not depend on its neighbours in the group.
-int DiscBatch::Impl::iterate(const Group& group, const Options& options, float* u, float* f,
+int DiscBatch::Impl::iterate(const Group& group, const Options& options, const Scratch& s,
                              Lanes* lanes) const {
   const DiscKernels& kernels = *kernelsInUse().load(std::memory_order_relaxed);
   const DiscGroupView& view = group.data.view();
   const int nlane = static_cast<int>(group.discs.size());
   alignas(64) float ends[6 * kLanes], response[6 * kLanes];
-  alignas(64) float work[kLanes], change[kLanes], extra[kLanes], factor[kLanes];
-  const bool any_deformed =
-      std::any_of(lanes->deformed, lanes->deformed + nlane, [](bool b) { return b; });
+  alignas(64) float pressure[kLanes], pressure_change[kLanes], work[kLanes];
+  alignas(64) float change[kLanes], factor[kLanes];
+  kernels.forces(view, s.u, s.f, pressure, s.work);
   for (int iterations = 1;; ++iterations) {
-    kernels.forces(view, u, f);
-    kernels.wrench(view, u, f, ends, response);
-    kernels.solve(view, f, work, change);
-    // Where the disc has become stiffer than at rest along the correction, less of it is enough.
+    kernels.wrench(view, s.u, s.f, ends, response);
+    kernels.solve(view, s.f, s.d);
+    kernels.nucleus(view, s.work, s.d, pressure_change);
     std::copy(lanes->active, lanes->active + kLanes, factor);
-    if (any_deformed) {
-      std::fill(f + 3 * kLanes * view.nfree, f + 3 * kLanes * view.nnode, 0.0f);
-      kernels.stiffening(view, u, f, extra);
-      for (int lane = 0; lane < nlane; ++lane) {
-        if (lanes->deformed[lane] && extra[lane] > 0) {
-          factor[lane] *= work[lane] / (work[lane] + extra[lane]);
-        }
-      }
-    }
-    kernels.apply(view, factor, lanes->largest, f, u);
-    bool again = false;
+    kernels.apply(view, factor, lanes->largest, s.d, s.u, change);
+    bool again = false, check = false;
     for (int lane = 0; lane < nlane; ++lane) {
       if (lanes->active[lane] == 0) continue;
-      for (int k = lane; k < 6 * kLanes; k += kLanes) {
-        lanes->wrench[k] = ends[k] + factor[lane] * response[k];
+      again |= change[lane] > lanes->threshold[lane];
+      check |= lanes->deformed[lane] && change[lane] > kSmallChange * height(group, lane);
+    }
+    again &= iterations < options.max_iterations;
+    const float now[kLanes] = {pressure[0], pressure[1], pressure[2], pressure[3],
+                               pressure[4], pressure[5], pressure[6], pressure[7]};
+    if (check || again) {
+      kernels.slope(view, s.f, s.d, work);
+      kernels.forces(view, s.u, s.f, pressure, s.work);
+      if (check) shorten(group, s, work, lanes, factor);
+    }
+    for (int lane = 0; lane < nlane; ++lane) {
+      if (lanes->active[lane] == 0) continue;
+      for (int k = 0; k < 6; ++k) {
+        const int i = kLanes * k + lane;
+        lanes->wrench[i] =
+            ends[i] + factor[lane] * (response[i] + pressure_change[lane] * view.nucleus_wrench[i]);
       }
-      if (change[lane] > lanes->threshold[lane] && iterations < options.max_iterations) {
-        again = true;
-      } else {
-        lanes->active[lane] = 0;
-      }
+      lanes->pressure[lane] = now[lane] + factor[lane] * pressure_change[lane];
+      lanes->settled[lane] = change[lane] < kSettledChange * height(group, lane);
+      if (!again || change[lane] <= lanes->threshold[lane]) lanes->active[lane] = 0;
     }
     if (!again) return iterations;
   }
@@ -182,8 +242,8 @@ DiscBatch::DiscBatch(const std::vector<Disc>& discs) : impl_(std::make_unique<Im
     }
   }
   const auto sameTopology = [](const DiscMesh& a, const DiscMesh& b) {
-    return a.tets == b.tets && a.lower_nodes == b.lower_nodes && a.upper_nodes == b.upper_nodes &&
-           a.rest_positions.size() == b.rest_positions.size();
+    return a.tets == b.tets && a.cells == b.cells && a.lower_nodes == b.lower_nodes &&
+           a.upper_nodes == b.upper_nodes && a.rest_positions.size() == b.rest_positions.size();
   };
   std::vector<std::vector<int>> members;
   for (int i = 0; i < size(); ++i) {
@@ -202,10 +262,12 @@ DiscBatch::DiscBatch(const std::vector<Disc>& discs) : impl_(std::make_unique<Im
       meshes.push_back(&impl_->discs[i].disc.mesh);
       elasticities.push_back(&impl_->discs[i].elasticity);
     }
-    impl_->groups.push_back({m, DiscGroup(meshes, elasticities), impl_->state_size});
+    impl_->groups.push_back(
+        {m, DiscGroup(meshes, elasticities, *kernelsInUse().load()), impl_->state_size});
     const DiscGroupView& view = impl_->groups.back().data.view();
-    impl_->state_size += (kPoseSize + 3 * view.nfree) * kLanes;
+    impl_->state_size += (kHeader + 3 * view.nfree) * kLanes;
     impl_->largest_nnode = std::max(impl_->largest_nnode, view.nnode);
+    impl_->largest_work = std::max(impl_->largest_work, impl_->groups.back().data.workSize());
   }
 }
 
@@ -215,30 +277,42 @@ int DiscBatch::size() const { return static_cast<int>(impl_->discs.size()); }
 int DiscBatch::stateSize() const { return impl_->state_size; }
 
 std::size_t DiscBatch::scratchSize() const {
-  return 2 * sizeof(float) * 3 * kLanes * static_cast<std::size_t>(impl_->largest_nnode);
+  return sizeof(float) *
+         (3 * 3 * kLanes * static_cast<std::size_t>(impl_->largest_nnode) + impl_->largest_work);
 }
 
 int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* state_out,
                         DiscWrench* wrenches, void* scratch, const Options& options) const {
   const DiscKernels& kernels = *kernelsInUse().load(std::memory_order_relaxed);
-  float* const u = static_cast<float*>(scratch);
-  float* const f = u + 3 * kLanes * impl_->largest_nnode;
+  const Impl::Scratch arrays(scratch, impl_->largest_nnode);
   int most_iterations = 0;
   for (const Impl::Group& group : impl_->groups) {
     const DiscGroupView& view = group.data.view();
     const double* const old_state = state_in + group.state_offset;
     double* const new_state = state_out + group.state_offset;
+    const int size = (kHeader + 3 * view.nfree) * kLanes;
     Impl::Lanes lanes;
-    impl_->attach(group, poses, options, old_state, new_state, u, &lanes);
-    kernels.predict(view, old_state + kPoseSize * kLanes, lanes.pose_change, u);
-    most_iterations = std::max(most_iterations, impl_->iterate(group, options, u, f, &lanes));
-    kernels.store(view, u, new_state + kPoseSize * kLanes);
+    const bool active =
+        impl_->attach(group, poses, options, old_state, new_state, arrays.u, &lanes);
+    if (active) {
+      kernels.predict(view, old_state + kHeader * kLanes, lanes.pose_change, arrays.u);
+      most_iterations = std::max(most_iterations, impl_->iterate(group, options, arrays, &lanes));
+      kernels.store(view, arrays.u, new_state + kHeader * kLanes);
+    } else if (new_state != old_state) {
+      std::copy(old_state + kHeader * kLanes, old_state + size, new_state + kHeader * kLanes);
+    }
     for (size_t lane = 0; lane < group.discs.size(); ++lane) {
       const int i = group.discs[lane];
       Vector6d in_m;
-      for (int k = 0; k < 6; ++k) in_m[k] = lanes.wrench[kLanes * k + lane];
+      for (int k = 0; k < 6; ++k) {
+        in_m[k] = lanes.wrench[kLanes * k + lane];
+        new_state[kLanes * (kWrench + k) + lane] = in_m[k];
+      }
+      new_state[kLanes * kPressure + lane] = lanes.pressure[lane];
+      new_state[kLanes * kSettled + lane] = lanes.settled[lane] ? 1 : 0;
       wrenches[i] =
           HalfwayFrame(limited(poses[i], view.limit[lane])).wrench(in_m, impl_->discs[i].normal);
+      wrenches[i].nucleus_pressure = lanes.pressure[lane];
     }
   }
   return most_iterations;
@@ -248,7 +322,7 @@ void DiscBatch::positions(int i, const DiscPose& pose, const double* state, doub
   const Impl::DiscData& disc = impl_->discs[i];
   const Impl::Group& group = impl_->groups[disc.group];
   const DiscGroupView& view = group.data.view();
-  const double* u = state + group.state_offset + kPoseSize * kLanes + disc.lane;
+  const double* u = state + group.state_offset + kHeader * kLanes + disc.lane;
   const HalfwayFrame frame(pose);
   const auto& rest = disc.disc.mesh.rest_positions;
   for (size_t node = 0; node < rest.size(); ++node) {
@@ -266,8 +340,8 @@ void DiscBatch::positions(int i, const DiscPose& pose, const double* state, doub
   }
 }
 
-const Eigen::Matrix<double, 6, 6>& DiscBatch::restStiffness(int i) const {
-  return impl_->discs[i].elasticity.rest_stiffness;
+const Eigen::Matrix<double, 6, 6>& DiscBatch::boundStiffness(int i) const {
+  return impl_->discs[i].elasticity.bound_stiffness;
 }
 
 const DiscBatch::Disc& DiscBatch::disc(int i) const { return impl_->discs[i].disc; }

@@ -1,17 +1,21 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The fast disc solver: many discs at once. Discs of equal topology (tets and attached nodes) share
-// the lanes of one SIMD register (8 floats), so that gather, local step and triangular solves run
-// for 8 discs at the cost of one; a disc whose topology nobody shares gets a group of its own. An
-// evaluation moves the last shape by the response, linear at rest, to the bones' motion since; then
-// one iteration is
-//   local step at that shape -> residual -> correction with the factored rest Hessian,
-// in the frame half way between the two bones. Where the strain is large, the correction's length
-// is chosen by the volume term's curvature along it. The wrench is the virtual work of the internal
-// forces on the rest Hessian's own response to a motion of the endplates, so its error is of second
-// order. State is the displacement of the free nodes from rest in that frame, and the pose it
-// belongs to; all zeros is rest.
+// The fast disc solver: many discs at once. Discs of equal topology (tets, cells and attached
+// nodes) share the lanes of one SIMD register (8 floats), so that gather, local step and triangular
+// solves run for 8 discs at the cost of one; a disc whose topology nobody shares gets a group of
+// its own.
+//
+// It is projective dynamics seen as a quasi-Newton method (Liu, Bouaziz and Kavan 2017, ACM Trans.
+// Graph. 36:23): each iteration is
+//   local step at the present shape -> residual -> correction with a constant, factored metric,
+// the metric being the Hessian at rest with all fibres taut, in the frame half way between the two
+// bones, plus the volume term of the nucleus as it is now (Sherman and Morrison's formula). An
+// evaluation first moves the last shape by the response, linear at rest, to the bones' motion
+// since. The wrench is the virtual work of the internal forces on the metric's own response to a
+// motion of the endplates, so its error is of second order. A group of discs whose bones have all
+// stayed where they were, and whose shape had settled, is not computed again. State is the wrench,
+// the pose it belongs to, and the displacement of the free nodes from rest; all zeros is rest.
 
 #include <cstddef>
 #include <memory>
@@ -54,12 +58,14 @@ class DiscBatch {
   // that of all discs, pose the one at which it was reached.
   void positions(int i, const DiscPose& pose, const double* state, double* xpos) const;
 
-  // Tangent stiffness at rest of disc i about the disc's centre, (6 x 6), as ReferenceDisc's.
-  const Eigen::Matrix<double, 6, 6>& restStiffness(int i) const;
+  // Stiffness of disc i near rest about its centre were all fibres taut, (6 x 6), SI: an upper
+  // bound of the tangent stiffness at rest, see DiscElasticity.
+  const Eigen::Matrix<double, 6, 6>& boundStiffness(int i) const;
   const Disc& disc(int i) const;
 
   // Name of the instruction set in use: "avx512", "avx2" or "portable". setInstructionSet is for
-  // tests and benchmarks; it returns false if this machine lacks the set.
+  // tests and benchmarks, to be called before a batch is made; it returns false if this machine
+  // lacks the set.
   static const char* instructionSet();
   static bool setInstructionSet(const std::string& name);
 

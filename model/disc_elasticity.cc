@@ -372,7 +372,8 @@ void DiscElasticity::addMetric(const DiscMesh& mesh) {
   response_without_nucleus.resize(3 * nfree, 6);
   response.resize(3 * nfree, 6);
   nucleus_response.resize(3 * nfree);
-  Vector6d pressure = nucleus_stiffness * swept;  // rise of the nucleus' pressure, negative
+  nucleus_wrench = swept;
+  Vector6d pressure = nucleus_stiffness * swept;  // fall of the nucleus' pressure
   if (nfree > 0) {
     const Eigen::SimplicialLLT<SparseMatrix<double>> factor(metric);
     if (factor.info() == Eigen::Success) {
@@ -384,8 +385,9 @@ void DiscElasticity::addMetric(const DiscMesh& mesh) {
           "the stiffness at rest is singular: a part of the mesh can move freely (does it hang on "
           "one node or edge?)");
     }
-    pressure = nucleus_stiffness / (1 + nucleus_stiffness * free_g.dot(nucleus_response)) *
-               (swept + response_without_nucleus.transpose() * free_g);
+    nucleus_wrench += response_without_nucleus.transpose() * free_g;
+    pressure =
+        nucleus_stiffness / (1 + nucleus_stiffness * free_g.dot(nucleus_response)) * nucleus_wrench;
     response = response_without_nucleus - nucleus_response * pressure.transpose();
   }
   bound_stiffness =

@@ -75,6 +75,8 @@ struct DiscElasticity {
   // (3) and rotation (3, about the origin) of the upper attached nodes and the opposite half of the
   // lower ones; and the same without the nucleus' volume term.
   Eigen::Matrix<double, Eigen::Dynamic, 6> response, response_without_nucleus;
+  Vector6d nucleus_wrench;  // on the upper bone per pressure of the nucleus [m^2], [m^3]: what its
+                            // gradient does directly and by way of the free nodes
   // Stiffness of the metric about the origin of the disc frame, SI: an upper bound near rest, where
   // only the fibres that a motion stretches resist it.
   Matrix6d bound_stiffness;

@@ -4,10 +4,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/OrderingMethods>
 #include <algorithm>
+#include <array>
 #include <iterator>
+#include <map>
 #include <new>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 namespace torso {
 namespace {
@@ -18,27 +21,58 @@ constexpr std::align_val_t kAlignment{64};
 // Displacements beyond this many times the disc's size are cut off: no disc gets there, and the
 // arithmetic stays finite.
 constexpr double kLargestDisplacement = 4;
+constexpr int kNode = 3 * kLanes;  // floats of a node
 
-// Free nodes in an order of elimination that fills little: approximate minimum degree.
-std::vector<int> eliminationOrder(const DiscMesh& mesh, const DiscElasticity& elasticity) {
+// Pairs of free nodes that the metric couples: its 3x3 blocks that are not empty.
+Eigen::SparseMatrix<double> coupling(const DiscElasticity& elasticity) {
   const int n = static_cast<int>(elasticity.free_nodes.size());
   std::vector<Eigen::Triplet<double>> entries;
-  for (const auto& t : mesh.tets) {
-    for (int a : t) {
-      for (int b : t) {
-        const int i = elasticity.free_index[a], j = elasticity.free_index[b];
-        if (i >= 0 && j >= 0) entries.emplace_back(i, j, 1.0);
+  for (int k = 0; k < elasticity.metric.outerSize(); ++k) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(elasticity.metric, k); it; ++it) {
+      entries.emplace_back(static_cast<int>(it.row()) / 3, k / 3, 1.0);
+    }
+  }
+  Eigen::SparseMatrix<double> graph(n, n);
+  graph.setFromTriplets(entries.begin(), entries.end());
+  return graph;
+}
+
+// Terms k, i, j of the volume's gradient at one node of a cell, see DiscGroupView::cell_links. Each
+// face at the node adds the cross product of its two other nodes; two faces side by side add
+//   x_i x x_k + x_k x x_j = x_k x (x_j - x_i).
+// Node 0 is the origin, so that its faces are not needed, and it stands in for a missing i.
+std::vector<std::array<int, 3>> volumeLinks(const std::vector<std::array<int, 3>>& faces,
+                                            int node) {
+  std::map<int, int> next;  // around the node, counter-clockwise from outside
+  for (const auto& face : faces) {
+    for (int k = 0; k < 3; ++k) {
+      if (face[k] == node) next[face[(k + 1) % 3]] = face[(k + 2) % 3];
+    }
+  }
+  std::vector<std::array<int, 3>> links;
+  while (!next.empty()) {
+    // From the beginning of an open chain, if there is one.
+    int start = next.begin()->first;
+    for (const auto& [from, to] : next) {
+      const bool has_previous = std::any_of(
+          next.begin(), next.end(), [from = from](const auto& e) { return e.second == from; });
+      if (!has_previous) start = from;
+    }
+    for (int i = start; next.count(i);) {
+      const int k = next[i];
+      next.erase(i);
+      if (next.count(k)) {
+        const int j = next[k];
+        next.erase(k);
+        links.push_back({k, i, j});
+        i = j;
+      } else {
+        links.push_back({i, 0, k});
+        i = k;
       }
     }
   }
-  std::vector<int> order;
-  if (n == 0) return order;
-  Eigen::SparseMatrix<double> graph(n, n);
-  graph.setFromTriplets(entries.begin(), entries.end());
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
-  Eigen::AMDOrdering<int>()(graph, permutation);
-  for (int i = 0; i < n; ++i) order.push_back(elasticity.free_nodes[permutation.indices()[i]]);
-  return order;
+  return links;
 }
 
 }  // namespace
@@ -52,27 +86,97 @@ LaneArray::LaneArray(std::size_t count)
 void LaneArray::Free::operator()(float* p) const { ::operator delete(p, kAlignment); }
 
 DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
-                     const std::vector<const DiscElasticity*>& elasticities) {
-  const DiscMesh& first = *meshes[0];
-  const int nnode = static_cast<int>(first.rest_positions.size());
+                     const std::vector<const DiscElasticity*>& elasticities,
+                     const DiscKernels& kernels) {
+  order(*meshes[0], *elasticities[0]);
+  layOutCells(*elasticities[0]);
+  const int nnode = static_cast<int>(number_.size());
   const int nfree = static_cast<int>(elasticities[0]->free_nodes.size());
-  const int ntet = static_cast<int>(first.tets.size());
-  std::vector<int> order = eliminationOrder(first, *elasticities[0]);
-  order.insert(order.end(), first.lower_nodes.begin(), first.lower_nodes.end());
-  order.insert(order.end(), first.upper_nodes.begin(), first.upper_nodes.end());
-  number_.resize(nnode);
-  for (int i = 0; i < nnode; ++i) number_[order[i]] = i;
-  for (const auto& t : first.tets) {
-    for (int i : t) tets_.push_back(3 * kLanes * number_[i]);
+  const int ncell = static_cast<int>(elasticities[0]->cells.size());
+  limit_ = LaneArray(1);
+  rest_ = LaneArray(3 * nnode);
+  error_ = LaneArray(3 * nnode);
+  shear_ = LaneArray(shear_column_.size());
+  cell_volume_ = LaneArray(3 * ncell);
+  fibres_ = LaneArray(2 * cell_nodes_.size());
+  fibre_rest_ = LaneArray(6 * ncell);
+  fibre_law_ = LaneArray(2 * ncell);
+  response_ = LaneArray(18 * nfree);
+  wrench_response_ = LaneArray(18 * nfree);
+  nucleus_response_ = LaneArray(3 * nfree);
+  nucleus_wrench_ = LaneArray(6);
+  diagonal_ = LaneArray(6 * nfree);
+  below_ = LaneArray(9 * row_.size());
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const bool used = lane < static_cast<int>(meshes.size());
+    const DiscElasticity& elasticity = *elasticities[used ? lane : 0];
+    limit_(0, lane) = static_cast<float>(kLargestDisplacement * elasticity.size);
+    for (int i = 0; i < 3 * nnode; ++i) {
+      rest_(i, lane) = static_cast<float>(elasticity.rest[3 * node_[i / 3] + i % 3]);
+    }
+    for (int i = 0; i < nnode; ++i) {
+      for (int e = shear_row_[i]; e < shear_row_[i + 1]; ++e) {
+        const int j = node_[shear_column_[e] / kNode];
+        shear_(e, lane) = static_cast<float>(elasticity.laplacian.coeff(node_[i], j));
+      }
+    }
+    fillCells(elasticity, lane);
+    for (int i = 0; i < 3 * nfree; ++i) {
+      const int dof = 3 * elasticity.free_index[node_[i / 3]] + i % 3;
+      nucleus_response_(i, lane) = static_cast<float>(elasticity.nucleus_response[dof]);
+      for (int k = 0; k < 6; ++k) {
+        response_(6 * i + k, lane) = static_cast<float>(elasticity.response(dof, k));
+        wrench_response_(6 * i + k, lane) =
+            static_cast<float>(elasticity.response_without_nucleus(dof, k));
+      }
+    }
+    for (int k = 0; k < 6; ++k) {
+      nucleus_wrench_(k, lane) = static_cast<float>(elasticity.nucleus_wrench[k]);
+    }
+    factorise(elasticity, lane);
   }
+  setView(*meshes[0]);
+
+  // What rounding leaves of the forces at rest.
+  LaneArray u(3 * nnode), f(3 * nnode), work(workSize() / kLanes);
+  alignas(64) float pressure[kLanes];
+  kernels.forces(view_, u.data(), f.data(), pressure, work.data());
+  for (int i = 0; i < 3 * nnode * kLanes; ++i) error_.data()[i] = -f.data()[i];
+}
+
+std::size_t DiscGroup::workSize() const {
+  int largest = 0;
+  for (int c = 0; c < view_.ncell; ++c) {
+    largest = std::max(largest, cell_node_[c + 1] - cell_node_[c]);
+  }
+  return kNode * (number_.size() + 2 * static_cast<std::size_t>(largest));
+}
+
+// Numbers of the nodes, free ones in an order of elimination that fills little (approximate minimum
+// degree); pattern of the Cholesky factor and of the shear stiffness.
+void DiscGroup::order(const DiscMesh& mesh, const DiscElasticity& elasticity) {
+  const int nnode = static_cast<int>(mesh.rest_positions.size());
+  const int nfree = static_cast<int>(elasticity.free_nodes.size());
+  const Eigen::SparseMatrix<double> graph = coupling(elasticity);
+  if (nfree > 0) {
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
+    Eigen::AMDOrdering<int>()(graph, permutation);
+    for (int i = 0; i < nfree; ++i) {
+      node_.push_back(elasticity.free_nodes[permutation.indices()[i]]);
+    }
+  }
+  node_.insert(node_.end(), mesh.lower_nodes.begin(), mesh.lower_nodes.end());
+  node_.insert(node_.end(), mesh.upper_nodes.begin(), mesh.upper_nodes.end());
+  number_.resize(nnode);
+  for (int i = 0; i < nnode; ++i) number_[node_[i]] = i;
 
   // Fill: when a node is eliminated, those it is joined to become joined to each other.
   std::vector<std::set<int>> later(nfree);
-  for (const auto& t : first.tets) {
-    for (int a : t) {
-      for (int b : t) {
-        if (number_[b] < nfree && number_[a] < number_[b]) later[number_[a]].insert(number_[b]);
-      }
+  for (int k = 0; k < nfree; ++k) {
+    const int j = number_[elasticity.free_nodes[k]];
+    for (Eigen::SparseMatrix<double>::InnerIterator it(graph, k); it; ++it) {
+      const int i = number_[elasticity.free_nodes[it.row()]];
+      if (i > j) later[j].insert(i);
     }
   }
   column_.push_back(0);
@@ -81,74 +185,60 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
       const int parent = *later[j].begin();
       later[parent].insert(std::next(later[j].begin()), later[j].end());
     }
-    for (int i : later[j]) row_.push_back(3 * kLanes * i);
+    for (int i : later[j]) row_.push_back(kNode * i);
     column_.push_back(static_cast<int>(row_.size()));
   }
 
-  inverse_edges_ = LaneArray(9 * ntet);
-  weight_ = LaneArray(ntet);
-  ratio_ = LaneArray(1);
-  limit_ = LaneArray(1);
-  rest_ = LaneArray(3 * (nnode - nfree));
-  response_ = LaneArray(18 * nfree);
-  diagonal_ = LaneArray(6 * nfree);
-  below_ = LaneArray(9 * row_.size());
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const bool used = lane < static_cast<int>(meshes.size());
-    const DiscMesh& mesh = *meshes[used ? lane : 0];
-    const DiscElasticity& elasticity = *elasticities[used ? lane : 0];
-    ratio_(0, lane) = static_cast<float>(elasticity.kappa / (2 * elasticity.mu));
-    limit_(0, lane) = static_cast<float>(kLargestDisplacement * elasticity.size);
-    for (int e = 0; e < ntet; ++e) {
-      weight_(e, lane) = static_cast<float>(2 * elasticity.mu * elasticity.volume[e]);
-      for (int i = 0; i < 9; ++i) {
-        inverse_edges_(9 * e + i, lane) =
-            static_cast<float>(elasticity.inverse_edges[e](i / 3, i % 3));
-      }
+  shear_row_.push_back(0);
+  for (int i = 0; i < nnode; ++i) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(elasticity.laplacian, node_[i]); it; ++it) {
+      shear_column_.push_back(kNode * number_[it.row()]);
     }
-    for (int i = nfree; i < nnode; ++i) {
-      for (int k = 0; k < 3; ++k) {
-        rest_(3 * (i - nfree) + k, lane) = static_cast<float>(mesh.rest_positions[order[i]][k]);
-      }
-    }
-    Eigen::VectorXi dofs(3 * nfree);  // (dof in order of elimination) dof of the elasticity
-    for (int i = 0; i < nfree; ++i) {
-      for (int k = 0; k < 3; ++k) dofs[3 * i + k] = 3 * elasticity.free_index[order[i]] + k;
-    }
-    for (int i = 0; i < 3 * nfree; ++i) {
-      for (int k = 0; k < 6; ++k) {
-        response_(6 * i + k, lane) = static_cast<float>(elasticity.response(dofs[i], k));
-      }
-    }
-    std::vector<int> position(nfree);  // (free node) in the order of elimination
-    for (int i = 0; i < nfree; ++i) position[elasticity.free_index[order[i]]] = i;
-    factorise(elasticity.free_hessian, position, lane);
+    shear_row_.push_back(static_cast<int>(shear_column_.size()));
   }
-
-  view_ = {nnode,
-           nfree,
-           static_cast<int>(first.lower_nodes.size()),
-           ntet,
-           tets_.data(),
-           inverse_edges_.data(),
-           weight_.data(),
-           ratio_.data(),
-           rest_.data(),
-           response_.data(),
-           limit_.data(),
-           column_.data(),
-           row_.data(),
-           diagonal_.data(),
-           below_.data()};
 }
 
-// Left-looking Cholesky factorisation by 3x3 blocks, on the pattern of column_ and row_.
-void DiscGroup::factorise(const Eigen::SparseMatrix<double>& K, const std::vector<int>& position,
-                          int lane) {
-  const int n = static_cast<int>(position.size());
-  const auto row = [&](int block) { return row_[block] / (3 * kLanes); };
-  std::vector<int> node(n);  // inverse of position
-  for (int i = 0; i < n; ++i) node[position[i]] = i;
+void DiscGroup::layOutCells(const DiscElasticity& elasticity) {
+  cell_node_.push_back(0);
+  for (const auto& cell : elasticity.cells) {
+    for (int node : cell.nodes) cell_nodes_.push_back(kNode * number_[node]);
+    for (size_t i = 0; i < cell.nodes.size(); ++i) {
+      cell_link_.push_back(static_cast<int>(cell_links_.size() / 3));
+      if (i == 0) continue;
+      for (const auto& link : volumeLinks(cell.faces, static_cast<int>(i))) {
+        for (int place : link) cell_links_.push_back(kNode * place);
+      }
+    }
+    cell_node_.push_back(static_cast<int>(cell_nodes_.size()));
+  }
+  cell_link_.push_back(static_cast<int>(cell_links_.size() / 3));
+}
+
+void DiscGroup::fillCells(const DiscElasticity& elasticity, int lane) {
+  for (size_t c = 0; c < elasticity.cells.size(); ++c) {
+    const auto& cell = elasticity.cells[c];
+    cell_volume_(3 * c, lane) = static_cast<float>(cell.volume);
+    cell_volume_(3 * c + 1, lane) = static_cast<float>(cell.mu);
+    cell_volume_(3 * c + 2, lane) = static_cast<float>((cell.lambda + cell.mu) / cell.volume);
+    if (cell.fibres.empty()) continue;  // zeros: of no length, hence slack
+    fibre_law_(2 * c, lane) = static_cast<float>(cell.volume * elasticity.material.fibre_modulus);
+    fibre_law_(2 * c + 1, lane) = static_cast<float>(elasticity.material.fibre_stiffening);
+    for (int k = 0; k < 2; ++k) {
+      for (int i = 0; i < 3; ++i) {
+        fibre_rest_(6 * c + 3 * k + i, lane) = static_cast<float>(cell.at_rest[k][i]);
+      }
+      for (size_t i = 0; i < cell.nodes.size(); ++i) {
+        fibres_(2 * (cell_node_[c] + i) + k, lane) = static_cast<float>(cell.fibres[i][k]);
+      }
+    }
+  }
+}
+
+// Left-looking Cholesky factorisation of the metric by 3x3 blocks, on the pattern of column_ and
+// row_.
+void DiscGroup::factorise(const DiscElasticity& elasticity, int lane) {
+  const int n = static_cast<int>(elasticity.free_nodes.size());
+  const auto row = [&](int block) { return row_[block] / kNode; };
   std::vector<Matrix3d> L(row_.size(), Matrix3d::Zero());
   std::vector<std::vector<std::pair<int, int>>> left(n);  // (row) its blocks: column, block
   std::vector<int> place(n);                              // (row) its block in the current column
@@ -156,8 +246,10 @@ void DiscGroup::factorise(const Eigen::SparseMatrix<double>& K, const std::vecto
     for (int b = column_[j]; b < column_[j + 1]; ++b) place[row(b)] = b;
     Matrix3d D = Matrix3d::Zero();
     for (int c = 0; c < 3; ++c) {
-      for (Eigen::SparseMatrix<double>::InnerIterator it(K, 3 * node[j] + c); it; ++it) {
-        const int i = position[it.row() / 3];
+      for (Eigen::SparseMatrix<double>::InnerIterator it(elasticity.metric,
+                                                         3 * elasticity.free_index[node_[j]] + c);
+           it; ++it) {
+        const int i = number_[elasticity.free_nodes[it.row() / 3]];
         if (i == j) D(it.row() % 3, c) = it.value();
         if (i > j) L[place[i]](it.row() % 3, c) = it.value();
       }
@@ -182,12 +274,34 @@ void DiscGroup::factorise(const Eigen::SparseMatrix<double>& K, const std::vecto
   }
 }
 
-void discStressBySvd(const float* F, float ratio, float* stress) {
-  Matrix3d G;
-  for (int i = 0; i < 9; ++i) G(i / 3, i % 3) = F[i];
-  const Projections p = project(G);
-  const Matrix3d S = (G - p.rotation) + ratio * (G - p.isochoric);
-  for (int i = 0; i < 9; ++i) stress[i] = static_cast<float>(S(i / 3, i % 3));
+void DiscGroup::setView(const DiscMesh& mesh) {
+  view_.nnode = static_cast<int>(number_.size());
+  view_.nfree = static_cast<int>(column_.size()) - 1;
+  view_.nlower = static_cast<int>(mesh.lower_nodes.size());
+  view_.rest = rest_.data();
+  view_.error = error_.data();
+  view_.limit = limit_.data();
+  view_.shear_row = shear_row_.data();
+  view_.shear_column = shear_column_.data();
+  view_.shear = shear_.data();
+  view_.ncell = static_cast<int>(cell_node_.size()) - 1;
+  view_.nucleus = std::count(mesh.cells.begin(), mesh.cells.end(), DiscMesh::kNucleus) > 0;
+  view_.cell_node = cell_node_.data();
+  view_.cell_nodes = cell_nodes_.data();
+  view_.cell_link = cell_link_.data();
+  view_.cell_links = cell_links_.data();
+  view_.cell_volume = cell_volume_.data();
+  view_.fibres = fibres_.data();
+  view_.fibre_rest = fibre_rest_.data();
+  view_.fibre_law = fibre_law_.data();
+  view_.column = column_.data();
+  view_.row = row_.data();
+  view_.diagonal = diagonal_.data();
+  view_.below = below_.data();
+  view_.response = response_.data();
+  view_.wrench_response = wrench_response_.data();
+  view_.nucleus_response = nucleus_response_.data();
+  view_.nucleus_wrench = nucleus_wrench_.data();
 }
 
 }  // namespace torso

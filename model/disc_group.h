@@ -32,23 +32,31 @@ class LaneArray {
 class DiscGroup {
  public:
   // At most kLanes discs, all of the first one's topology, and their elasticity. Lanes left over
-  // are copies of the first disc that stay at rest.
+  // are copies of the first disc that stay at rest. kernels: those that will be used, whose
+  // rounding errors at rest are taken off.
   DiscGroup(const std::vector<const DiscMesh*>& meshes,
-            const std::vector<const DiscElasticity*>& elasticities);
+            const std::vector<const DiscElasticity*>& elasticities, const DiscKernels& kernels);
 
   const DiscGroupView& view() const { return view_; }
   // (node of the mesh) its number in the group: free nodes first, in order of elimination.
   const std::vector<int>& number() const { return number_; }
-  int blocks() const {
-    return static_cast<int>(row_.size());
-  }  // 3x3 blocks of L below the diagonal
+  int blocks() const { return static_cast<int>(row_.size()); }  // of L below the diagonal
+  // Number of floats of the array `work` of DiscKernels::forces.
+  std::size_t workSize() const;
 
  private:
-  void factorise(const Eigen::SparseMatrix<double>& K, const std::vector<int>& position, int lane);
+  void order(const DiscMesh& mesh, const DiscElasticity& elasticity);
+  void layOutCells(const DiscElasticity& elasticity);
+  void fillCells(const DiscElasticity& elasticity, int lane);
+  void factorise(const DiscElasticity& elasticity, int lane);
+  void setView(const DiscMesh& mesh);
 
-  DiscGroupView view_;
-  std::vector<int> number_, tets_, column_, row_;
-  LaneArray inverse_edges_, weight_, ratio_, rest_, response_, limit_, diagonal_, below_;
+  DiscGroupView view_ = {};
+  std::vector<int> number_, node_;  // node_: (number) node of the mesh
+  std::vector<int> shear_row_, shear_column_, cell_node_, cell_nodes_, cell_link_, cell_links_;
+  std::vector<int> column_, row_;
+  LaneArray rest_, error_, limit_, shear_, cell_volume_, fibres_, fibre_rest_, fibre_law_;
+  LaneArray diagonal_, below_, response_, wrench_response_, nucleus_response_, nucleus_wrench_;
 };
 
 }  // namespace torso

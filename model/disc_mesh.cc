@@ -18,11 +18,11 @@ using Eigen::Vector3d;
 constexpr double kOutlineFill = 0.82;
 // Share of the depth that lies in front of the widest place.
 constexpr double kFrontShare = 0.6;
-// The nucleus: its share of the area (0.3-0.5: Panagiotacopoulos et al. 1987, Spine 12:912-917, and
-// finite-element models since Shirazi-Adl et al. 1984), and how far behind the centre it lies, as a
-// share of the depth (3.5 mm: Schmidt et al. 2006, Clin. Biomech. 21:337-344).
+// The nucleus: its share of the area (0.43-0.465 in the five lumbar discs of Remus et al. 2021,
+// PLoS ONE 16:e0250456; 0.3-0.5 in finite-element models since Shirazi-Adl et al. 1984, Spine
+// 9:120-134), and how far behind the centre it lies, as a share of the depth (0.02-0.06 there).
 constexpr double kNucleusShare = 0.43;
-constexpr double kNucleusShift = 0.1;
+constexpr double kNucleusShift = 0.05;
 // Of the coarsest mesh.
 constexpr int kSectors = 12, kAnnulusRings = 2, kLayers = 4;
 constexpr int kCellLayers = 2;  // layers in a cell of the annulus

@@ -18,7 +18,7 @@ class ReferenceDisc {
   enum class Method {
     kConstantMetric,  // projective dynamics' global step: the residual over the Hessian at rest
                       // with all fibres taut, in the frame half way between the two bones
-    kNewton,  // the residual over the energy's Hessian where it stands
+    kNewton,          // the residual over the energy's Hessian where it stands
   };
 
   // Throws std::invalid_argument with the message of checkDiscMesh / checkDiscMaterial.

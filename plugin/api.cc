@@ -167,6 +167,11 @@ mjtNum torso_discPressure(const mjModel* m, const mjData* d, int disc) {
   return instance ? discResult(d, *instance, disc)[9] : 0;
 }
 
+mjtNum torso_discNucleusPressure(const mjModel* m, const mjData* d, int disc) {
+  const Instance* instance = withDisc(m, disc);
+  return instance ? discResult(d, *instance, disc)[10] : 0;
+}
+
 int torso_discThickness(const mjModel* m, const mjData* d, int disc, mjtNum ratio[3]) {
   const Instance* instance = withDisc(m, disc);
   if (!instance) return -1;

@@ -11,6 +11,8 @@
 namespace torso::plugin {
 namespace {
 
+constexpr int kFormat = 2;  // of the torso data in a model
+
 bool endsWith(const std::string& text, const char* end) {
   const std::size_t n = std::strlen(end);
   return text.size() >= n && text.compare(text.size() - n, n, end) == 0;
@@ -32,6 +34,15 @@ DiscMesh readMesh(const mjModel* m, int positions_id, int topology_id) {
   mesh.lower_nodes = topology.integers();
   topology.expect("upper");
   mesh.upper_nodes = topology.integers();
+  topology.expect("cells");
+  mesh.cells = topology.integers();
+  topology.expect("hoops");
+  const std::vector<int> hoops = topology.integers();
+  if (hoops.size() % 2) {
+    fail(topology.where(),
+         "hoops has " + std::to_string(hoops.size()) + " indices, which is not a multiple of 2");
+  }
+  for (std::size_t i = 0; i < hoops.size(); i += 2) mesh.hoops.push_back({hoops[i], hoops[i + 1]});
   topology.finish();
 
   TextReader positions(m, positions_id);
@@ -128,10 +139,11 @@ void Instance::readHeaders(const mjModel* m) {
   for (int i = 0; i < m->nnumeric; i++) {
     if (!endsWith(nameOf(m, mjOBJ_NUMERIC, i), kNoteName)) continue;
     const mjtNum* header = readNumeric(m, i, kNoteSize);
-    if (header[0] != 1) {
+    if (header[0] != kFormat) {
       fail(elementName(m, mjOBJ_NUMERIC, i),
            "format " + std::to_string(static_cast<int>(header[0])) +
-               " is not known to this version of the plugin, which reads format 1");
+               " is not known to this version of the plugin, which reads format " +
+               std::to_string(kFormat) + "; make the model anew with torso build or torso graft");
     }
     if (torsos++ == 0) state.adr = static_cast<int>(header[2]);
   }
@@ -155,17 +167,18 @@ void Instance::addDisc(const mjModel* m, int id, const std::string& name,
   weld.equality = tuple.take(mjOBJ_EQUALITY);
   checkWeld(m, tuple.where(), weld.equality);
   const int numeric = tuple.take(mjOBJ_NUMERIC);
-  const mjtNum* material = readNumeric(m, numeric, 3);
+  const mjtNum* material = readNumeric(m, numeric, 8);
   DiscBatch::Disc batch_disc;
-  batch_disc.material = {material[0], material[1]};
+  batch_disc.material = {material[0], material[1], material[2], material[3],
+                         material[4], material[5], material[6]};
   const std::string fault = checkDiscMaterial(batch_disc.material);
   if (!fault.empty()) {
     fail(elementName(m, mjOBJ_NUMERIC, numeric), fault);
   }
-  if (material[2] < 0) {
+  if (material[7] < 0) {
     fail(elementName(m, mjOBJ_NUMERIC, numeric), "the retardation time is negative");
   }
-  disc.retardation_time = material[2];
+  disc.retardation_time = material[7];
   const int positions = tuple.take(mjOBJ_TEXT), topology = tuple.take(mjOBJ_TEXT);
   batch_disc.mesh = readMesh(m, positions, topology);
   meshes.push_back(std::move(batch_disc));
@@ -240,12 +253,13 @@ void Instance::addLigament(const mjModel* m, int id, const std::string& name) {
   ligaments.push_back(ligament);
 }
 
-// Bound and viscosity of a disc's rows come from its stiffness at rest. The rows' axes are those of
-// the world (translation) and of the lower body (rotation); the largest stiffness bounds them all.
+// Bound and viscosity of a disc's rows come from its stiffness near rest. The rows' axes are those
+// of the world (translation) and of the lower body (rotation); the largest stiffness bounds them
+// all.
 void Instance::boundWelds(const mjModel* m) {
   for (WeldEntry& weld : welds) {
     if (weld.disc < 0) continue;
-    const auto& K = batch->restStiffness(weld.disc);
+    const auto& K = batch->boundStiffness(weld.disc);
     weld.bound[0] = K.diagonal().head<3>().maxCoeff();
     // Ligaments and facets pull at this lever; as their directions turn with the bones, they add a
     // rotational stiffness that explicit steps of 5 ms do not bear. Bounded by the disc's own.
@@ -300,11 +314,17 @@ void Instance::findSensors(const mjModel* m) {
       if (discs[k].tuple != m->sensor_objid[i]) continue;
       const int what =
           m->nuser_sensor > 0 ? static_cast<int>(m->sensor_user[m->nuser_sensor * i]) : -1;
-      const int dim[] = {3, 3, 1, static_cast<int>(levels[k].tendons.size()),
-                         static_cast<int>(levels[k].facets.size())};
+      const int dim[] = {3,
+                         3,
+                         1,
+                         static_cast<int>(levels[k].tendons.size()),
+                         static_cast<int>(levels[k].facets.size()),
+                         1};
       const std::string where = elementName(m, mjOBJ_SENSOR, i);
-      if (what < 0 || what > 4) {
-        fail(where, "user[0] must be 0 force, 1 moment, 2 pressure, 3 ligament or 4 facet");
+      if (what < 0 || what > 5) {
+        fail(where,
+             "user[0] must be 0 force, 1 moment, 2 pressure, 3 ligament, 4 facet or 5 nucleus "
+             "pressure");
       }
       if (m->sensor_dim[i] != dim[what]) {
         fail(where, "dim is " + std::to_string(m->sensor_dim[i]) + ", it must be " +

@@ -9,9 +9,9 @@
 //   tuple   disc:NAME        site lower, site upper, equality weld, numeric material, text
 //   positions,
 //                            text topology [, skin]
-//   numeric disc:NAME        Young's modulus [Pa], Poisson's ratio, retardation time [s]
+//   numeric disc:NAME        DiscMaterial in its order, SI units; retardation time [s]
 //   text    disc:NAME        positions_mm x y z ...
-//   text    disc_topology    tets a b c d ... lower i ... upper i ...
+//   text    disc_topology    tets a b c d ... lower i ... upper i ... cells c ... hoops a b ...
 //   tuple   bushing:NAME     equality weld, numeric
 //   numeric bushing:NAME     k [N/m], c [Ns/m], k [Nm/rad], c [Nms/rad]
 //   tuple   facet:NAME       geom ellipsoid (prm: band), geom point x 4
@@ -37,9 +37,9 @@ struct StateLayout {
   int poses = 2;      // fingerprint of the discs' poses at the last evaluation
   int committed = 3;  // (disc state) shape at the last evaluation before that time
   int pending = 0;    // (disc state) shape at that evaluation
-  int result = 0;     // (ndisc x kResult) force, moment, point, pressure
+  int result = 0;     // (ndisc x kResult) force, moment, point, two pressures
   int size = 0;       // entries in all
-  static constexpr int kResult = 10;
+  static constexpr int kResult = 11;
 };
 
 struct DiscEntry {
@@ -83,7 +83,7 @@ struct Level {
 struct Sensor {
   int id;  // sensor id
   int disc;
-  int what;  // mujoco_torso.h: 0 force, 1 moment, 2 pressure, 3 ligament tension, 4 facet force
+  int what;  // mujoco_torso.h: 0 force, 1 moment, see findSensors
 };
 
 struct TendonSensor {

@@ -73,6 +73,8 @@ MJAPI int torso_discWrench(const mjModel* m, const mjData* d, int disc, mjtNum f
                            mjtNum moment[3], mjtNum point[3]);
 /* normal force on the upper endplate over its area [Pa], positive in compression; 0 on error */
 MJAPI mjtNum torso_discPressure(const mjModel* m, const mjData* d, int disc);
+/* pressure in the disc's nucleus above rest [Pa], as a needle in it measures; 0 on error */
+MJAPI mjtNum torso_discNucleusPressure(const mjModel* m, const mjData* d, int disc);
 /* distance between the endplates relative to rest: at the disc's thinnest column of nodes, on
  * average, and at the thickest */
 MJAPI int torso_discThickness(const mjModel* m, const mjData* d, int disc, mjtNum ratio[3]);

@@ -181,6 +181,7 @@ void applyDiscs(const mjModel* m, mjData* d, const Instance& instance) {
     mju_copy3(result + 3, moment.data());
     mju_copy3(result + 6, X.position.data());
     result[9] = wrenches[i].pressure;
+    result[10] = wrenches[i].nucleus_pressure;
   }
   d->pstack = mark;
   state[layout.time] = d->time;

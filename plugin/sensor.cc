@@ -42,6 +42,9 @@ void fillSensors(const mjModel* m, mjData* d, const Instance& instance, int stag
       case 2:
         *out = result[9];
         break;
+      case 5:
+        *out = result[10];
+        break;
       case 3:
         mju_zero(out, static_cast<int>(level.tendons.size()));
         break;

@@ -7,7 +7,8 @@
 
 namespace torso::plugin {
 
-// Force, moment, point (world frame) and pressure of one disc at the last evaluation (kResult).
+// Force, moment, point (world frame) pressure and pressure of the nucleus of one disc at the last
+// evaluation (kResult).
 const mjtNum* discResult(const mjData* d, const Instance& instance, int disc);
 
 // Tension of a limited tendon [N]; 0 while its limit is inactive.

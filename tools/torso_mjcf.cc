@@ -592,6 +592,7 @@ void Writer::writeSensors() {
     user(disc.name + "_force", disc.name, 0, 3);
     user(disc.name + "_moment", disc.name, 1, 3);
     user(disc.name + "_pressure", disc.name, 2, 1);
+    user(disc.name + "_nucleus_pressure", disc.name, 5, 1);
     if (disc.upper == a_.c2.name) continue;
     user(disc.name + "_ligament_tension", disc.name, 3, static_cast<int>(a_.ligaments.size()));
     user(disc.name + "_facet_force", disc.name, 4, 2);
@@ -608,7 +609,7 @@ void Writer::writeCustom() {
     Element(tuple, "element").set("objtype", type).set("objname", name).set("prm", prm);
   };
   // Format, the plugin's own note, first entry of userdata.
-  numeric("mujoco_torso", {1, 0, 0});
+  numeric("mujoco_torso", {2, 0, 0});
 
   // All discs of makeDiscMesh share one topology.
   std::string topology = "tets";
@@ -619,6 +620,12 @@ void Writer::writeCustom() {
   for (int node : discs_.front().lower_nodes) topology += " " + std::to_string(node);
   topology += " upper";
   for (int node : discs_.front().upper_nodes) topology += " " + std::to_string(node);
+  topology += " cells";
+  for (int cell : discs_.front().cells) topology += " " + std::to_string(cell);
+  topology += " hoops";
+  for (const auto& [a, b] : discs_.front().hoops) {
+    topology += " " + std::to_string(a) + " " + std::to_string(b);
+  }
   Element(custom, "text").set("name", named("disc_topology")).set("data", topology);
 
   for (std::size_t i = 0; i < a_.discs.size(); i++) {
@@ -628,8 +635,11 @@ void Writer::writeCustom() {
       for (int k = 0; k < 3; k++) positions += fmt::format(" {:.4f}", X[k] * 1e3 + 0.0);
     }
     Element(custom, "text").set("name", named("disc:" + disc.name)).set("data", positions);
+    const DiscMaterial& material = disc.material;
     numeric("disc:" + disc.name,
-            {disc.material.youngs_modulus, disc.material.poissons_ratio, disc.retardation_time});
+            {material.annulus_modulus, material.annulus_poisson, material.fibre_modulus,
+             material.fibre_stiffening, material.fibre_angle, material.nucleus_modulus,
+             material.nucleus_bulk_modulus, disc.retardation_time});
     Element tuple(custom, "tuple");
     tuple.set("name", named("disc:" + disc.name));
     element(tuple, "site", named(disc.name + "_lower"));

@@ -12,7 +12,7 @@ namespace torso {
 
 constexpr double kDegree = M_PI / 180;
 constexpr DiscShape kLumbarShape = {0.050, 0.035, 0.011, 0.011};  // L4/5-like
-constexpr DiscMaterial kDiscMaterial = {4e6, 0.45};
+constexpr DiscMaterial kDiscMaterial = {2.5e6, 0.40, 10e6, 10, M_PI / 6, 0.3e6, 100e6};
 
 // Smallest to largest disc of a spine, with and without wedge.
 inline std::vector<DiscShape> discShapes() {
