@@ -16,8 +16,8 @@ using Quantity = DiscTest::Quantity;
 
 namespace {
 
-constexpr double kTolerance = 1e-8;  // residual force on a node or bone [N]
-constexpr double kSmall = 1e-6;      // small displacement [m]
+constexpr double kTolerance = 1e-8;                       // residual force on a node or bone [N]
+constexpr double kSmall = 1e-6;                           // small displacement [m]
 constexpr double kSmallForce = 0.1, kSmallMoment = 1e-3;  // [N], [Nm]
 
 Eigen::Quaterniond rotationOf(const Vector3d& v) {
@@ -295,7 +295,8 @@ double simulateDiscTest(const DiscBench& bench, double retardation_time, const D
   if (test.quantity == Quantity::kLossFactor) return 2 * M_PI * retardation_time;
   if (test.quantity == Quantity::kPreloadRatio) return meanPreloadRatio(bench, test.preload);
   const DiscProtocol protocol = discProtocol(test.region, test.quantity);
-  const bool moment = test.quantity >= Quantity::kFlexion && test.quantity <= Quantity::kAxialTorsion;
+  const bool moment =
+      test.quantity >= Quantity::kFlexion && test.quantity <= Quantity::kAxialTorsion;
   const double small = moment ? kSmallMoment : kSmallForce;
   const double load = test.load > 0 ? test.load : small;
   const DiscCurve curve = loadDisc(bench, protocol, load, test.preload, 1);

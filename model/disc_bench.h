@@ -32,10 +32,10 @@ class DiscBench {
   // Moves the upper bone by a translation and a rotation vector about its disc frame's origin.
   void move(const Vector6d& displacement);
 
-  const DiscPose& pose() const { return pose_; }  // of the upper bone
-  Vector6d displacement() const;                  // from rest: translation, rotation vector
-  Vector6d load() const;                          // that holds the upper bone where it is
-  double nucleusPressure() const;                 // [Pa]
+  const DiscPose& pose() const { return pose_; }    // of the upper bone
+  Vector6d displacement() const;                    // from rest: translation, rotation vector
+  Vector6d load() const;                            // that holds the upper bone where it is
+  double nucleusPressure() const;                   // [Pa]
   double size() const { return elasticity_.size; }  // largest distance of a node to the centre [m]
   // Derivative of load() by `move` where the disc stands (6x6, SI). At rest, where all fibres are
   // about to be stretched, it is that of the disc without fibres.
@@ -83,9 +83,10 @@ struct DiscCurve {
 DiscCurve loadDisc(DiscBench bench, const DiscProtocol& protocol, double load, double preload,
                    int steps);
 
-// What the test would give of this disc, in the unit of DiscTest::value: stiffnesses are secants from
-// rest, or the preloaded pose, to the test's load (0: 0.1 N, 1 mNm). `bench` at rest. `retardation_time` [s]: of a disc whose viscosity is
-// in proportion to its stiffness; the loss factor is that at 1 Hz.
+// What the test would give of this disc, in the unit of DiscTest::value: stiffnesses are secants
+// from rest, or the preloaded pose, to the test's load (0: 0.1 N, 1 mNm). `bench` at rest.
+// `retardation_time` [s]: of a disc whose viscosity is in proportion to its stiffness; the loss
+// factor is that at 1 Hz.
 double simulateDiscTest(const DiscBench& bench, double retardation_time, const DiscTest& test);
 
 }  // namespace torso

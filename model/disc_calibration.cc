@@ -3,12 +3,11 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <stdexcept>
-#include <thread>
 
 #include "model/disc_bench.h"
+#include "model/parallel.h"
 
 namespace torso {
 namespace {
@@ -18,19 +17,6 @@ using Eigen::VectorXd;
 using Quantity = DiscTest::Quantity;
 
 constexpr double kInsideWeight = 0.25, kOutsideWeight = 4;
-
-// Runs work(0) .. work(n - 1), each once, on so many threads.
-template <typename Work>
-void forEach(int n, int threads, const Work& work) {
-  std::atomic<int> next{0};
-  const auto run = [&] {
-    for (int i = next++; i < n; i = next++) work(i);
-  };
-  std::vector<std::thread> others;
-  for (int t = 1; t < threads; ++t) others.emplace_back(run);
-  run();
-  for (auto& t : others) t.join();
-}
 
 // What a disc gives in a test, or a tenth of the lower bound if it gives way: that a disc finds no
 // equilibrium happens where it is far too soft.
@@ -156,28 +142,42 @@ DiscCalibration calibrateDiscs(const std::vector<Disc>& discs, const std::vector
   clampToBounds(&logs);
 
   constexpr double kDifference = 1e-3;  // of a logarithm
-  constexpr int kMaxIterations = 60;
+  constexpr double kConverged = 1e-3;   // step of a logarithm
+  constexpr int kMaxIterations = 100;
   VectorXd r = fit.residuals({logs}).col(0);
+  MatrixXd J;
+  bool exact = false;  // J, that is: by differences here, not carried along by Broyden's update
   double damping = 1e-2;
   int iteration = 0;
-  for (bool converged = false; !converged && iteration < kMaxIterations; ++iteration) {
-    std::vector<VectorXd> points(n, logs);
-    for (int k = 0; k < n; ++k) points[k][k] += kDifference;
-    if (getenv("TRACE")) fprintf(stderr, "%d %g damping %g: %g %g %g %g\n", iteration, r.squaredNorm(), damping, exp(logs[0]),exp(logs[1]),exp(logs[2]),exp(logs[3]));
-    const MatrixXd J = (fit.residuals(points).colwise() - r) / kDifference;
-    converged = true;
-    for (; damping < 1e6; damping *= 4) {
-      VectorXd next = logs + dampedStep(J, r, logs, damping);
-      clampToBounds(&next);
-      if ((next - logs).cwiseAbs().maxCoeff() < 1e-4) break;
-      const VectorXd r_next = fit.residuals({next}).col(0);
-      if (r_next.squaredNorm() < r.squaredNorm()) {
-        logs = next;
-        r = r_next;
-        damping = std::max(damping / 10, 1e-6);
-        converged = false;
-        break;
-      }
+  for (; iteration < kMaxIterations; ++iteration) {
+    if (getenv("TRACE"))
+      fprintf(stderr, "%d %g damping %g: %g %g %g %g\n", iteration, r.squaredNorm(), damping,
+              exp(logs[0]), exp(logs[1]), exp(logs[2]), exp(logs[3]));
+    if (J.size() == 0) {
+      std::vector<VectorXd> points(n, logs);
+      for (int k = 0; k < n; ++k) points[k][k] += kDifference;
+      J = (fit.residuals(points).colwise() - r) / kDifference;
+      exact = true;
+    }
+    VectorXd next = logs + dampedStep(J, r, logs, damping);
+    clampToBounds(&next);
+    const VectorXd step = next - logs;
+    if (step.cwiseAbs().maxCoeff() < kConverged) {
+      if (exact) break;
+      J.resize(0, 0);
+      continue;
+    }
+    const VectorXd r_next = fit.residuals({next}).col(0);
+    if (r_next.squaredNorm() < r.squaredNorm()) {
+      J += (r_next - r - J * step) * step.transpose() / step.squaredNorm();
+      exact = false;
+      logs = next;
+      r = r_next;
+      damping = std::max(damping / 10, 1e-6);
+    } else if (exact) {
+      damping *= 4;
+    } else {
+      J.resize(0, 0);
     }
   }
   return {fit.material(logs), r.squaredNorm(), iteration};
