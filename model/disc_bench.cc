@@ -190,13 +190,13 @@ void DiscBench::setLoad(const Vector6d& load, int held) {
     u_ = u;
     pose_ = pose;
     part /= 2;
-    if (part < 1e-3) throw std::runtime_error("a disc finds no equilibrium under its load");
+    if (part < 1e-3) throw DiscGaveWay("the disc finds no equilibrium under its load");
   }
 }
 
 void DiscBench::move(const Vector6d& displacement) {
   if (!solve(Vector6d::Zero(), kHoldAll, displacement)) {
-    throw std::runtime_error("a disc finds no equilibrium in its pose");
+    throw DiscGaveWay("the disc finds no equilibrium in its pose");
   }
 }
 
@@ -276,7 +276,11 @@ DiscCurve loadDisc(DiscBench bench, const DiscProtocol& protocol, double load, d
   DiscCurve curve;
   for (int i = 0; i <= steps; ++i) {
     const double now = load * i / steps;
-    if (i > 0) bench.setLoad(axial + now * protocol.direction, protocol.held);
+    try {
+      if (i > 0) bench.setLoad(axial + now * protocol.direction, protocol.held);
+    } catch (const DiscGaveWay&) {
+      break;
+    }
     curve.load.push_back(now);
     curve.displacement.push_back(protocol.direction.dot(bench.displacement() - start));
     curve.nucleus_pressure.push_back(bench.nucleusPressure());
@@ -300,6 +304,7 @@ double simulateDiscTest(const DiscBench& bench, double retardation_time, const D
   const double small = moment ? kSmallMoment : kSmallForce;
   const double load = test.load > 0 ? test.load : small;
   const DiscCurve curve = loadDisc(bench, protocol, load, test.preload, 1);
+  if (curve.load.size() < 2) throw DiscGaveWay("the disc gives way under the load of a test");
   if (test.quantity == Quantity::kPressure) return curve.nucleus_pressure.back();
   return load / curve.displacement.back();
 }

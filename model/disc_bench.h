@@ -8,6 +8,7 @@
 // directions that stay as the bone moves. SI units.
 
 #include <Eigen/Core>
+#include <stdexcept>
 #include <vector>
 
 #include "model/anatomy.h"
@@ -19,8 +20,14 @@ namespace torso {
 // Degrees of freedom that are held where they are, as bits 1 << dof.
 enum HeldDofs { kHoldNone = 0, kHoldRotation = 7 << 3, kHoldAll = 63 };
 
-// One disc and the pose in which it is. All functions leave it in equilibrium, or throw
-// std::runtime_error if none is found.
+// A disc finds no equilibrium: it is far too soft for its load.
+class DiscGaveWay : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// One disc and the pose in which it is. All functions leave it in equilibrium, or throw DiscGaveWay
+// if none is found.
 class DiscBench {
  public:
   // At rest. Throws std::invalid_argument with the message of checkDiscMesh / checkDiscMaterial.
@@ -74,7 +81,8 @@ struct DiscProtocol {
 // Throws std::invalid_argument for kLossFactor and kPreloadRatio, which are no loading.
 DiscProtocol discProtocol(Region region, DiscTest::Quantity quantity);
 
-// Response to a load that grows in equal steps on top of an axial preload.
+// Response to a load that grows in equal steps on top of an axial preload. Points beyond which the
+// disc gives way are left out.
 struct DiscCurve {
   std::vector<double> load;              // (point) [N] or [Nm], from 0
   std::vector<double> displacement;      // (point) along the load, from the preloaded pose [m, rad]

@@ -23,7 +23,7 @@ constexpr double kInsideWeight = 0.25, kOutsideWeight = 4;
 double outcome(const DiscBench& bench, const DiscTest& test) {
   try {
     return std::max(simulateDiscTest(bench, 0, test), test.low / 10);
-  } catch (const std::runtime_error&) {
+  } catch (const DiscGaveWay&) {
     return test.low / 10;
   }
 }
@@ -115,10 +115,10 @@ VectorXd dampedStep(const MatrixXd& J, const VectorXd& r, const VectorXd& logs, 
 
 const std::vector<FittedConstant>& fittedConstants() {
   static const std::vector<FittedConstant> constants = {
-      {"annulus_modulus_mpa", &DiscMaterial::annulus_modulus, 2.5e6, 0.2e6, 10e6},
-      {"fibre_modulus_mpa", &DiscMaterial::fibre_modulus, 10e6, 1e6, 100e6},
-      {"fibre_stiffening", &DiscMaterial::fibre_stiffening, 10, 0.5, 200},
-      {"nucleus_modulus_mpa", &DiscMaterial::nucleus_modulus, 0.3e6, 0.02e6, 2e6},
+      {"annulus_modulus_mpa", 1e6, &DiscMaterial::annulus_modulus, 2.5e6, 0.2e6, 10e6},
+      {"fibre_modulus_mpa", 1e6, &DiscMaterial::fibre_modulus, 10e6, 1e6, 100e6},
+      {"fibre_stiffening", 1, &DiscMaterial::fibre_stiffening, 10, 0.5, 200},
+      {"nucleus_modulus_mpa", 1e6, &DiscMaterial::nucleus_modulus, 0.3e6, 0.02e6, 2e6},
   };
   return constants;
 }
@@ -143,6 +143,7 @@ DiscCalibration calibrateDiscs(const std::vector<Disc>& discs, const std::vector
 
   constexpr double kDifference = 1e-3;  // of a logarithm
   constexpr double kConverged = 1e-3;   // step of a logarithm
+  constexpr double kLargestStep = 0.7;  // of a logarithm
   constexpr int kMaxIterations = 100;
   VectorXd r = fit.residuals({logs}).col(0);
   MatrixXd J;
@@ -159,7 +160,8 @@ DiscCalibration calibrateDiscs(const std::vector<Disc>& discs, const std::vector
       J = (fit.residuals(points).colwise() - r) / kDifference;
       exact = true;
     }
-    VectorXd next = logs + dampedStep(J, r, logs, damping);
+    VectorXd next = dampedStep(J, r, logs, damping);
+    next = logs + next * std::min(1.0, kLargestStep / next.cwiseAbs().maxCoeff());
     clampToBounds(&next);
     const VectorXd step = next - logs;
     if (step.cwiseAbs().maxCoeff() < kConverged) {
@@ -175,7 +177,7 @@ DiscCalibration calibrateDiscs(const std::vector<Disc>& discs, const std::vector
       r = r_next;
       damping = std::max(damping / 10, 1e-6);
     } else if (exact) {
-      damping *= 4;
+      damping = std::max(10 * damping, 1e-4);
     } else {
       J.resize(0, 0);
     }

@@ -14,7 +14,8 @@ namespace torso {
 // A fitted constant with what is published about it: `typical` is where it stays unless tests say
 // otherwise, `low` and `high` are never passed. SI.
 struct FittedConstant {
-  const char* name;
+  const char* name;  // column of disc_materials.csv
+  double unit;       // of that column in SI
   double DiscMaterial::*member;
   double typical, low, high;
 };
