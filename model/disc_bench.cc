@@ -17,7 +17,6 @@ using Quantity = DiscTest::Quantity;
 namespace {
 
 constexpr double kTolerance = 1e-8;                       // residual force on a node or bone [N]
-constexpr double kSmall = 1e-6;                           // small displacement [m]
 constexpr double kSmallForce = 0.1, kSmallMoment = 1e-3;  // [N], [Nm]
 
 Eigen::Quaterniond rotationOf(const Vector3d& v) {
@@ -224,10 +223,10 @@ double DiscBench::nucleusPressure() const { return elasticity_.nucleusPressure(u
 
 Matrix6d DiscBench::tangent() const { return linearize().tangent; }
 
-Matrix6d stiffnessMatrix(const DiscBench& bench) {
+Matrix6d stiffnessMatrix(const DiscBench& bench, double amplitude) {
   Matrix6d K;
   for (int j = 0; j < 6; ++j) {
-    const double step = j < 3 ? kSmall : kSmall / bench.size();
+    const double step = j < 3 ? amplitude : amplitude / bench.size();
     Vector6d load[2];
     for (int side : {0, 1}) {
       DiscBench moved = bench;
@@ -291,7 +290,8 @@ DiscCurve loadDisc(DiscBench bench, const DiscProtocol& protocol, double load, d
 double meanPreloadRatio(const DiscBench& bench, double preload) {
   DiscBench loaded = bench;
   loaded.setLoad(-preload * Vector6d::Unit(2));
-  const Vector6d before = stiffnessMatrix(bench).diagonal(), after = loaded.tangent().diagonal();
+  const Vector6d before = stiffnessMatrix(bench).diagonal();
+  const Vector6d after = stiffnessMatrix(loaded).diagonal();
   return (after.array() / before.array()).mean();
 }
 

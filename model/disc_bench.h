@@ -63,11 +63,13 @@ class DiscBench {
   Eigen::VectorXd u_;  // (3 nnode) displacements from rest, lower disc frame [m]
 };
 
-// Stiffness for small displacements from where `bench` stands (6x6, SI): central differences over
-// 1 um, and the rotation that moves the disc's edge by as much. Symmetric without preload only up
-// to the difference between stretched and slack fibres, which either direction of a motion engages
-// differently; the symmetric part is returned, as laboratories do (Gardner-Morse and Stokes 2004).
-Matrix6d stiffnessMatrix(const DiscBench& bench);
+// Stiffness for small displacements from where `bench` stands (6x6, SI), the other motions held:
+// central differences over +-amplitude [m], and +-amplitude over the disc's size in rotation (0.1
+// mm is about 0.25 deg of a lumbar disc; laboratories use 0.5 mm and 1 to 2 deg). Its symmetric
+// part, as laboratories give (Gardner-Morse and Stokes 2004). A finite amplitude makes it
+// continuous in the material and the preload, though fibres that it stretches resist and others do
+// not.
+Matrix6d stiffnessMatrix(const DiscBench& bench, double amplitude = 1e-4);
 
 // How a quantity is measured in the laboratory.
 struct DiscProtocol {

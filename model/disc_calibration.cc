@@ -151,9 +151,6 @@ DiscCalibration calibrateDiscs(const std::vector<Disc>& discs, const std::vector
   double damping = 1e-2;
   int iteration = 0;
   for (; iteration < kMaxIterations; ++iteration) {
-    if (getenv("TRACE"))
-      fprintf(stderr, "%d %g damping %g: %g %g %g %g\n", iteration, r.squaredNorm(), damping,
-              exp(logs[0]), exp(logs[1]), exp(logs[2]), exp(logs[3]));
     if (J.size() == 0) {
       std::vector<VectorXd> points(n, logs);
       for (int k = 0; k < n; ++k) points[k][k] += kDifference;

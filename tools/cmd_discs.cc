@@ -106,9 +106,14 @@ Json discJson(const DiscReport& report) {
 
 // ---- text ----
 
+// Three significant digits without an exponent.
+std::string significant(double x) {
+  return std::abs(x) >= 1000 ? fmt::format("{:.0f}", x) : fmt::format("{:.3g}", x);
+}
+
 std::string rangeText(const DiscTest& test, double unit) {
   if (!std::isfinite(test.low) && !std::isfinite(test.high)) return "-";
-  return fmt::format("{:.3g} - {:.3g}", test.low / unit, test.high / unit);
+  return significant(test.low / unit) + " - " + significant(test.high / unit);
 }
 
 std::string loadText(const DiscTest& test) {
@@ -133,11 +138,10 @@ void printDisc(const DiscReport& report) {
   for (const DiscOutcome& outcome : report.outcomes) {
     const DiscTest& test = outcome.test;
     const DiscUnits units = discUnits(test.quantity);
-    fmt::print("  {:<16}{:<18}{:>8}{:>11.3g}  {:<14}{:<8}{:<11}{}\n",
-               discQuantityName(test.quantity), loadText(test),
-               outcome.ours ? fmt::format("{:.3g}", *outcome.ours / units.value_si) : "-",
-               test.value / units.value_si, rangeText(test, units.value_si), units.value,
-               verdict(outcome), test.source);
+    fmt::print("  {:<16}{:<18}{:>8}{:>11}  {:<14}{:<8}{:<11}{}\n", discQuantityName(test.quantity),
+               loadText(test), outcome.ours ? significant(*outcome.ours / units.value_si) : "-",
+               significant(test.value / units.value_si), rangeText(test, units.value_si),
+               units.value, verdict(outcome), test.source);
   }
 }
 
@@ -189,10 +193,10 @@ void printSummary(const std::vector<DiscReport>& reports, Region region) {
       if (outcome.ours) high = std::max(high, *outcome.ours / unit);
       if (!outcome.inside()) outside += (outside.empty() ? "" : ", ") + report.disc.name;
     }
-    fmt::print("  {:<16}{:<18}{:<17}{:<10.3g}{:<14}{:<8}{}\n", discQuantityName(test.quantity),
-               loadText(test), fmt::format("{:.3g} - {:.3g}", low, high), test.value / unit,
-               rangeText(test, unit), discUnits(test.quantity).value,
-               outside.empty() ? "none" : outside);
+    fmt::print("  {:<16}{:<18}{:<17}{:<10}{:<14}{:<8}{}\n", discQuantityName(test.quantity),
+               loadText(test), significant(low) + " - " + significant(high),
+               significant(test.value / unit), rangeText(test, unit),
+               discUnits(test.quantity).value, outside.empty() ? "none" : outside);
   }
 }
 
