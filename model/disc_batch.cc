@@ -45,11 +45,22 @@ std::atomic<const DiscKernels*>& kernelsInUse() {
 constexpr int kPoseSize = 6, kWrench = 6, kPressure = 12, kSettled = 13, kHeader = 14;
 
 // Where the endplates move by more than this share of the disc's height relative to each other, a
-// full correction can overshoot and is checked.
+// full correction can overshoot and is checked, as it is where it is not the last.
 constexpr double kLargeStrain = 0.2;
+// From this iteration on the present response of the nucleus is used, as it is where that at rest
+// led uphill.
+constexpr int kExactIteration = 4;
+// A change of the pose in one evaluation that moves the endplates by more than this share of the
+// height starts from rest: the last shape tells nothing.
+constexpr double kTeleport = 0.5;
+// Largest displacement that one correction may bring, as a share of the height.
+constexpr double kLargestChange = 0.5;
+// Corrections of the wrench below this share of what it takes to crush the disc (its bound
+// stiffness times its height) are left: rounding errors.
+constexpr double kSmallWrench = 1e-6;
 // It is checked unless it moves no node by more than this share of the disc's height: an overshoot
 // of that size does no harm.
-constexpr double kSmallChange = 1e-3;
+constexpr double kSmallChange = 4e-3;
 // A correction below this share of the disc's height says that the shape has settled: it changes
 // the wrench by less than 1e-5 of itself.
 constexpr double kSettledChange = 1e-6;
@@ -80,12 +91,13 @@ struct DiscBatch::Impl {
   // What one evaluation of a group knows of its lanes.
   struct Lanes {
     alignas(64) float pose_change[kPoseSize * kLanes] = {};
+    alignas(64) float keep[kLanes] = {};        // 0 where the last shape is of no use, else 1
     alignas(64) float wrench[6 * kLanes] = {};  // on the upper bone, frame M
     alignas(64) float pressure[kLanes] = {};    // of the nucleus
     alignas(64) float active[kLanes] = {};      // 1 while the lane iterates, else 0
-    alignas(64) float largest[kLanes] = {};     // correction that is taken at once [m]
-    float threshold[kLanes] = {};               // correction that asks for another iteration [m]
     bool deformed[kLanes] = {};                 // the endplates have moved by kLargeStrain
+    bool exact[kLanes] = {};                    // wants the present response of the nucleus
+    bool check[kLanes] = {};                    // the last step may have gone too far
     bool settled[kLanes] = {};
   };
   // Arrays of one evaluation, see DiscKernels.
@@ -94,18 +106,25 @@ struct DiscBatch::Impl {
         : u(static_cast<float*>(memory)),
           f(u + 3 * kLanes * nnode),
           d(f + 3 * kLanes * nnode),
-          work(d + 3 * kLanes * nnode) {}
-    float *u, *f, *d, *work;
+          w(d + 3 * kLanes * nnode),
+          work(w + 3 * kLanes * nnode) {}
+    float *u, *f, *d, *w, *work;
   };
 
   double height(const Group& group, int lane) const {
     return discs[group.discs[lane]].elasticity.height;
   }
-  bool attach(const Group& group, const DiscPose* poses, const Options& options,
-              const double* old_state, double* new_state, float* u, Lanes* lanes) const;
+  bool attach(const Group& group, const DiscPose* poses, const double* old_state, double* new_state,
+              float* u, Lanes* lanes) const;
+  void restartAfterTeleport(const Group& group, int lane, const double* new_state,
+                            Lanes* lanes) const;
+  bool wrongWrench(const Group& group, int lane, const float* wrench, const float* correction,
+                   double tolerance) const;
   int iterate(const Group& group, const Options& options, const Scratch& s, Lanes* lanes) const;
-  void shorten(const Group& group, const Scratch& s, const float* before, Lanes* lanes,
-               float* factor) const;
+  bool shorten(const Group& group, const Scratch& s, const float* before, Lanes* lanes,
+               float* factor, float* pressure) const;
+  const float* nucleusResponse(const Group& group, const Scratch& s, const Lanes& lanes,
+                               int iterations) const;
 
   std::vector<DiscData> discs;
   std::vector<Group> groups;
@@ -116,9 +135,8 @@ struct DiscBatch::Impl {
 
 // Brings the attached nodes to their bones in frame M, and the poses to the state. Returns false if
 // no lane has anything to do.
-bool DiscBatch::Impl::attach(const Group& group, const DiscPose* poses, const Options& options,
-                             const double* old_state, double* new_state, float* u,
-                             Lanes* lanes) const {
+bool DiscBatch::Impl::attach(const Group& group, const DiscPose* poses, const double* old_state,
+                             double* new_state, float* u, Lanes* lanes) const {
   const DiscGroupView& view = group.data.view();
   std::fill(u + 3 * kLanes * view.nfree, u + 3 * kLanes * view.nnode, 0.0f);
   for (int k = 0; k < kHeader; ++k) {
@@ -142,6 +160,7 @@ bool DiscBatch::Impl::attach(const Group& group, const DiscPose* poses, const Op
     lanes->settled[lane] = !moved && old_state[kLanes * kSettled + lane] != 0;
     lanes->active[lane] = lanes->settled[lane] ? 0 : 1;
     any_active |= !lanes->settled[lane];
+    restartAfterTeleport(group, lane, new_state, lanes);
     const double large = kLargeStrain / 2 * height(group, lane);
     const Matrix3d turn = frame.half - Matrix3d::Identity();
     for (int i = view.nfree; i < view.nnode; ++i) {
@@ -156,79 +175,148 @@ bool DiscBatch::Impl::attach(const Group& group, const DiscPose* poses, const Op
       for (int k = 0; k < 3; ++k) u[kLanes * (3 * i + k) + lane] = static_cast<float>(d[k]);
       lanes->deformed[lane] |= d.squaredNorm() > large * large;
     }
-    lanes->largest[lane] = static_cast<float>(0.5 * height(group, lane));
-    lanes->threshold[lane] = static_cast<float>(options.tolerance * height(group, lane));
   }
   return any_active;
 }
 
-// Where the forces after the correction d point back along it, the energy's minimum along d lies
-// before its end: goes back to where a parabola has it. before: work of the forces at the start
-// along d. Lowers `factor`, the share of the correction that is kept.
-void DiscBatch::Impl::shorten(const Group& group, const Scratch& s, const float* before,
-                              Lanes* lanes, float* factor) const {
-  constexpr float kOvershoot = 0.3f;  // force left, relative to that before, that is put up with
+// Where the pose has changed by too much since the last evaluation, the last shape counts as rest.
+void DiscBatch::Impl::restartAfterTeleport(const Group& group, int lane, const double* new_state,
+                                           Lanes* lanes) const {
+  const DiscElasticity& elasticity = discs[group.discs[lane]].elasticity;
+  double moved = 0;  // by the translation and at the disc's rim by the rotation
+  for (int k = 0; k < kPoseSize; ++k) {
+    const double change = std::abs(lanes->pose_change[kLanes * k + lane]);
+    moved += k < 3 ? change : change * elasticity.size;
+  }
+  if (moved < kTeleport * elasticity.height) {
+    lanes->keep[lane] = 1;
+    return;
+  }
+  for (int k = 0; k < kPoseSize; ++k) {
+    lanes->pose_change[kLanes * k + lane] = static_cast<float>(new_state[kLanes * k + lane]);
+  }
+}
+
+// Where the forces after a step along d point back along it, the energy's minimum along d lies
+// before its end: goes back to where a parabola has it; all the way where d leads uphill. before:
+// work of the forces at the start along d. Lowers `factor`, the share of d that is kept, and brings
+// forces and pressure up to date. Returns false if no lane needed it.
+bool DiscBatch::Impl::shorten(const Group& group, const Scratch& s, const float* before,
+                              Lanes* lanes, float* factor, float* pressure) const {
+  constexpr float kOvershoot = 0.7f;  // force left, relative to that before, that is put up with
   const DiscKernels& kernels = *kernelsInUse().load(std::memory_order_relaxed);
   const DiscGroupView& view = group.data.view();
-  alignas(64) float after[kLanes], back[kLanes] = {}, change[kLanes], pressure[kLanes];
+  alignas(64) float after[kLanes], back[kLanes] = {};
   kernels.slope(view, s.f, s.d, after);
   bool any = false;
   for (int lane = 0; lane < static_cast<int>(group.discs.size()); ++lane) {
-    if (!lanes->deformed[lane] || !(before[lane] > 0)) continue;
-    if (after[lane] >= -kOvershoot * before[lane]) continue;
-    const float keep = before[lane] / (before[lane] - after[lane]);
-    back[lane] = keep - 1;
+    if (!lanes->check[lane]) continue;
+    if (before[lane] > 0 && after[lane] >= -kOvershoot * before[lane]) continue;
+    const float keep = before[lane] > 0 ? before[lane] / (before[lane] - after[lane]) : 0;
+    lanes->exact[lane] |= keep == 0;
+    back[lane] = (keep - 1) * factor[lane];
     factor[lane] *= keep;
     any = true;
   }
-  if (!any) return;
-  kernels.apply(view, back, lanes->largest, s.d, s.u, change);
+  if (!any) return false;
+  kernels.apply(view, back, s.d, s.u);
   kernels.forces(view, s.u, s.f, pressure, s.work);
+  return true;
+}
+
+// The nucleus' response to its pressure. That at rest serves, but for lanes that have been deformed
+// much or do not converge at once.
+const float* DiscBatch::Impl::nucleusResponse(const Group& group, const Scratch& s,
+                                              const Lanes& lanes, int iterations) const {
+  const DiscKernels& kernels = *kernelsInUse().load(std::memory_order_relaxed);
+  const DiscGroupView& view = group.data.view();
+  bool exact[kLanes] = {}, any = false;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    exact[lane] = lanes.exact[lane] || iterations >= kExactIteration;
+    any |= exact[lane] && lanes.active[lane] != 0;
+  }
+  if (!view.nucleus || !any) return view.nucleus_response;
+  kernels.gradient(view, s.work, s.w);
+  kernels.solve(view, s.w, s.w);
+  for (int lane = 0; lane < kLanes; ++lane) {
+    if (exact[lane]) continue;
+    for (int i = lane; i < 3 * view.nfree * kLanes; i += kLanes) s.w[i] = view.nucleus_response[i];
+  }
+  return s.w;
+}
+
+// True if the correction is a larger share of the wrench than `tolerance`. Moments count by the
+// forces at the disc's rim that make them.
+bool DiscBatch::Impl::wrongWrench(const Group& group, int lane, const float* wrench,
+                                  const float* correction, double tolerance) const {
+  const DiscElasticity& elasticity = discs[group.discs[lane]].elasticity;
+  double of_wrench = 0, of_correction = 0;
+  for (int k = 0; k < 6; ++k) {
+    const double arm = k < 3 ? 1 : elasticity.size;
+    const double w = wrench[kLanes * k + lane] / arm, c = correction[kLanes * k + lane] / arm;
+    of_wrench += w * w;
+    of_correction += c * c;
+  }
+  const double crush = elasticity.bound_stiffness(2, 2) * elasticity.height;
+  const double floor = kSmallWrench * crush;
+  return of_correction > tolerance * tolerance * of_wrench + floor * floor;
 }
 
 // Iterates until no lane asks for more; returns the number of iterations. A lane that is done keeps
 // its shape and wrench, so that a disc's answer does not depend on its neighbours in the group.
 int DiscBatch::Impl::iterate(const Group& group, const Options& options, const Scratch& s,
                              Lanes* lanes) const {
+  constexpr int kMostShortenings = 3;
   const DiscKernels& kernels = *kernelsInUse().load(std::memory_order_relaxed);
   const DiscGroupView& view = group.data.view();
   const int nlane = static_cast<int>(group.discs.size());
-  alignas(64) float ends[6 * kLanes], response[6 * kLanes];
-  alignas(64) float pressure[kLanes], pressure_change[kLanes], work[kLanes];
-  alignas(64) float change[kLanes], factor[kLanes];
+  alignas(64) float ends[6 * kLanes], correction[6 * kLanes];
+  alignas(64) float pressure[kLanes], pressure_ahead[kLanes], pressure_change[kLanes];
+  alignas(64) float work[kLanes], change[kLanes], factor[kLanes];
   kernels.forces(view, s.u, s.f, pressure, s.work);
   for (int iterations = 1;; ++iterations) {
-    kernels.wrench(view, s.u, s.f, ends, response);
+    kernels.wrench(view, s.u, s.f, ends, correction);
     kernels.solve(view, s.f, s.d);
-    kernels.nucleus(view, s.work, s.d, pressure_change);
-    std::copy(lanes->active, lanes->active + kLanes, factor);
-    kernels.apply(view, factor, lanes->largest, s.d, s.u, change);
-    bool again = false, check = false;
-    for (int lane = 0; lane < nlane; ++lane) {
+    kernels.nucleus(view, s.work, nucleusResponse(group, s, *lanes, iterations), s.d,
+                    pressure_change, change);
+    for (int i = 0; i < 6 * kLanes; ++i) {
+      correction[i] += pressure_change[i % kLanes] * view.nucleus_wrench[i];
+    }
+    bool more[kLanes] = {}, again = false, check = false;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const double h = height(group, lane < nlane ? lane : 0);
+      factor[lane] = lanes->active[lane];
+      lanes->check[lane] = false;
       if (lanes->active[lane] == 0) continue;
-      again |= change[lane] > lanes->threshold[lane];
-      check |= lanes->deformed[lane] && change[lane] > kSmallChange * height(group, lane);
+      if (change[lane] > kLargestChange * h) {
+        factor[lane] = static_cast<float>(kLargestChange * h / change[lane]);
+      }
+      more[lane] = change[lane] > options.tolerance * h ||
+                   wrongWrench(group, lane, ends, correction, options.wrench_tolerance);
+      again |= more[lane];
+      lanes->check[lane] = (lanes->deformed[lane] || more[lane]) && change[lane] > kSmallChange * h;
+      check |= lanes->check[lane];
     }
     again &= iterations < options.max_iterations;
-    const float now[kLanes] = {pressure[0], pressure[1], pressure[2], pressure[3],
-                               pressure[4], pressure[5], pressure[6], pressure[7]};
+    kernels.apply(view, factor, s.d, s.u);
     if (check || again) {
       kernels.slope(view, s.f, s.d, work);
-      kernels.forces(view, s.u, s.f, pressure, s.work);
-      if (check) shorten(group, s, work, lanes, factor);
+      kernels.forces(view, s.u, s.f, pressure_ahead, s.work);
+      for (int i = 0; check && i < kMostShortenings; ++i) {
+        if (!shorten(group, s, work, lanes, factor, pressure_ahead)) break;
+      }
     }
     for (int lane = 0; lane < nlane; ++lane) {
       if (lanes->active[lane] == 0) continue;
-      for (int k = 0; k < 6; ++k) {
-        const int i = kLanes * k + lane;
-        lanes->wrench[i] =
-            ends[i] + factor[lane] * (response[i] + pressure_change[lane] * view.nucleus_wrench[i]);
+      for (int i = lane; i < 6 * kLanes; i += kLanes) {
+        lanes->wrench[i] = ends[i] + factor[lane] * correction[i];
       }
-      lanes->pressure[lane] = now[lane] + factor[lane] * pressure_change[lane];
+      lanes->pressure[lane] = pressure[lane] + factor[lane] * pressure_change[lane];
       lanes->settled[lane] = change[lane] < kSettledChange * height(group, lane);
-      if (!again || change[lane] <= lanes->threshold[lane]) lanes->active[lane] = 0;
+      if (!again || !more[lane]) lanes->active[lane] = 0;
     }
     if (!again) return iterations;
+    std::copy(pressure_ahead, pressure_ahead + kLanes, pressure);
   }
 }
 
@@ -278,7 +366,7 @@ int DiscBatch::stateSize() const { return impl_->state_size; }
 
 std::size_t DiscBatch::scratchSize() const {
   return sizeof(float) *
-         (3 * 3 * kLanes * static_cast<std::size_t>(impl_->largest_nnode) + impl_->largest_work);
+         (4 * 3 * kLanes * static_cast<std::size_t>(impl_->largest_nnode) + impl_->largest_work);
 }
 
 int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* state_out,
@@ -292,10 +380,9 @@ int DiscBatch::evaluate(const DiscPose* poses, const double* state_in, double* s
     double* const new_state = state_out + group.state_offset;
     const int size = (kHeader + 3 * view.nfree) * kLanes;
     Impl::Lanes lanes;
-    const bool active =
-        impl_->attach(group, poses, options, old_state, new_state, arrays.u, &lanes);
+    const bool active = impl_->attach(group, poses, old_state, new_state, arrays.u, &lanes);
     if (active) {
-      kernels.predict(view, old_state + kHeader * kLanes, lanes.pose_change, arrays.u);
+      kernels.predict(view, old_state + kHeader * kLanes, lanes.keep, lanes.pose_change, arrays.u);
       most_iterations = std::max(most_iterations, impl_->iterate(group, options, arrays, &lanes));
       kernels.store(view, arrays.u, new_state + kHeader * kLanes);
     } else if (new_state != old_state) {

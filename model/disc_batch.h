@@ -32,9 +32,11 @@ class DiscBatch {
     DiscMaterial material;
   };
   struct Options {
-    // An iteration is repeated while it asks a free node to move by more than `tolerance` times the
-    // disc's height along an axis, `max_iterations` at most.
+    // An iteration is repeated, `max_iterations` at most, while it asks a free node to move by more
+    // than `tolerance` times the disc's height along an axis, or corrects the wrench by more than
+    // `wrench_tolerance` of itself: what it leaves to correct is a fraction of that.
     double tolerance = 0.02;
+    double wrench_tolerance = 0.01;
     int max_iterations = 8;
   };
 

@@ -95,7 +95,7 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
   const int ncell = static_cast<int>(elasticities[0]->cells.size());
   limit_ = LaneArray(1);
   rest_ = LaneArray(3 * nnode);
-  error_ = LaneArray(3 * nnode);
+  force_error_ = LaneArray(3 * nnode);
   shear_ = LaneArray(shear_column_.size());
   cell_volume_ = LaneArray(3 * ncell);
   fibres_ = LaneArray(2 * cell_nodes_.size());
@@ -104,6 +104,8 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
   response_ = LaneArray(18 * nfree);
   wrench_response_ = LaneArray(18 * nfree);
   nucleus_response_ = LaneArray(3 * nfree);
+  const auto& last = elasticities[0]->cells.back();
+  nucleus_gradient_ = LaneArray(last.nucleus ? 3 * last.nodes.size() : 0);
   nucleus_wrench_ = LaneArray(6);
   diagonal_ = LaneArray(6 * nfree);
   below_ = LaneArray(9 * row_.size());
@@ -130,6 +132,10 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
             static_cast<float>(elasticity.response_without_nucleus(dof, k));
       }
     }
+    for (size_t i = 0; last.nucleus && i < 3 * last.nodes.size(); ++i) {
+      const double gradient = elasticity.nucleus_gradient[3 * last.nodes[i / 3] + i % 3];
+      nucleus_gradient_(i, lane) = static_cast<float>(6 * gradient);
+    }
     for (int k = 0; k < 6; ++k) {
       nucleus_wrench_(k, lane) = static_cast<float>(elasticity.nucleus_wrench[k]);
     }
@@ -139,9 +145,9 @@ DiscGroup::DiscGroup(const std::vector<const DiscMesh*>& meshes,
 
   // What rounding leaves of the forces at rest.
   LaneArray u(3 * nnode), f(3 * nnode), work(workSize() / kLanes);
-  alignas(64) float pressure[kLanes];
-  kernels.forces(view_, u.data(), f.data(), pressure, work.data());
-  for (int i = 0; i < 3 * nnode * kLanes; ++i) error_.data()[i] = -f.data()[i];
+  LaneArray pressure(1);
+  kernels.forces(view_, u.data(), f.data(), pressure.data(), work.data());
+  for (int i = 0; i < 3 * nnode * kLanes; ++i) force_error_.data()[i] = -f.data()[i];
 }
 
 std::size_t DiscGroup::workSize() const {
@@ -149,7 +155,7 @@ std::size_t DiscGroup::workSize() const {
   for (int c = 0; c < view_.ncell; ++c) {
     largest = std::max(largest, cell_node_[c + 1] - cell_node_[c]);
   }
-  return kNode * (number_.size() + 2 * static_cast<std::size_t>(largest));
+  return kNode * (number_.size() + 3 * static_cast<std::size_t>(largest));
 }
 
 // Numbers of the nodes, free ones in an order of elimination that fills little (approximate minimum
@@ -279,7 +285,7 @@ void DiscGroup::setView(const DiscMesh& mesh) {
   view_.nfree = static_cast<int>(column_.size()) - 1;
   view_.nlower = static_cast<int>(mesh.lower_nodes.size());
   view_.rest = rest_.data();
-  view_.error = error_.data();
+  view_.force_error = force_error_.data();
   view_.limit = limit_.data();
   view_.shear_row = shear_row_.data();
   view_.shear_column = shear_column_.data();
@@ -301,6 +307,7 @@ void DiscGroup::setView(const DiscMesh& mesh) {
   view_.response = response_.data();
   view_.wrench_response = wrench_response_.data();
   view_.nucleus_response = nucleus_response_.data();
+  view_.nucleus_gradient = nucleus_gradient_.data();
   view_.nucleus_wrench = nucleus_wrench_.data();
 }
 

@@ -55,8 +55,9 @@ class DiscGroup {
   std::vector<int> number_, node_;  // node_: (number) node of the mesh
   std::vector<int> shear_row_, shear_column_, cell_node_, cell_nodes_, cell_link_, cell_links_;
   std::vector<int> column_, row_;
-  LaneArray rest_, error_, limit_, shear_, cell_volume_, fibres_, fibre_rest_, fibre_law_;
-  LaneArray diagonal_, below_, response_, wrench_response_, nucleus_response_, nucleus_wrench_;
+  LaneArray rest_, force_error_, limit_, shear_, cell_volume_, fibres_, fibre_rest_, fibre_law_;
+  LaneArray diagonal_, below_, response_, wrench_response_, nucleus_response_, nucleus_gradient_,
+      nucleus_wrench_;
 };
 
 }  // namespace torso

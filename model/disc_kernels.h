@@ -17,9 +17,9 @@ constexpr int kLanes = 8;
 // node" is 24 x its number: that of its first float in an array (node x 3).
 struct DiscGroupView {
   int nnode, nfree, nlower;
-  const float* rest;   // (node x 3) rest position [m]
-  const float* error;  // (node x 3) minus what rounding makes of the forces at rest [N]
-  const float* limit;  // (1) largest displacement that is believed [m]
+  const float* rest;         // (node x 3) rest position [m]
+  const float* force_error;  // (node x 3) minus what rounding makes of the forces at rest [N]
+  const float* limit;        // (1) largest displacement that is believed [m]
 
   // Shear: rows of DiscElasticity::laplacian.
   const int* shear_row;     // (nnode + 1) first entry of each node's row
@@ -48,6 +48,7 @@ struct DiscGroupView {
   const float* response;          // (nfree x 3 x 6) DiscElasticity::response
   const float* wrench_response;   // (nfree x 3 x 6) DiscElasticity::response_without_nucleus
   const float* nucleus_response;  // (nfree x 3) DiscElasticity::nucleus_response
+  const float* nucleus_gradient;  // (nucleus' node x 3) of 6 x its volume at rest [m^2]
   const float* nucleus_wrench;    // (6) wrench on the upper bone per pressure of the nucleus, with
                                   // the free nodes in equilibrium [m^2], [m^3]
 };
@@ -56,11 +57,13 @@ struct DiscKernels {
   const char* name;
 
   // Free part of the displacements u (nnode x 3 x 8) from the state (nfree x 3 x 8), moved by the
-  // response to the change of the bones' pose since (6 x 8).
-  void (*predict)(const DiscGroupView&, const double* state, const float* pose_change, float* u);
+  // response to the change of the bones' pose since (6 x 8). keep (8): 0 for lanes whose state
+  // counts as rest, else 1.
+  void (*predict)(const DiscGroupView&, const double* state, const float* keep,
+                  const float* pose_change, float* u);
   // Local step: internal forces f (nnode x 3 x 8) [N] at displacements u, and the nucleus' pressure
-  // (8) [Pa]. work (nnode + 2 x nodes of the largest cell) x 3 x 8; its last part is left holding
-  // the gradient of the last cell's volume, for `nucleus`.
+  // (8) [Pa]. work (nnode + 3 x nodes of the largest cell) x 3 x 8 is left holding the gradient of
+  // the last cell's volume, for `nucleus` and `gradient`.
   void (*forces)(const DiscGroupView&, const float* u, float* f, float* pressure, float* work);
   // Wrench (6 x 8) on the upper bone in frame M: half the difference of the forces on the two
   // endplates. correction (6 x 8) is the work of the residual on the response to the bones' motion:
@@ -70,12 +73,15 @@ struct DiscKernels {
   // Free part of d (nnode x 3 x 8): solution of L L^T d = f.
   void (*solve)(const DiscGroupView&, const float* f, float* d);
   // Adds to d the nucleus' volume term, of which the metric has the present gradient (work, see
-  // forces). pressure_change (8): rise of its pressure that d brings [Pa].
-  void (*nucleus)(const DiscGroupView&, const float* work, float* d, float* pressure_change);
-  // d = factor (8) times d, no component larger than `largest` (8), and u += d; free part. change
-  // (8) is the largest component of d before that.
-  void (*apply)(const DiscGroupView&, const float* factor, const float* largest, float* d, float* u,
-                float* change);
+  // forces). response (nnode x 3): solution for that gradient, or for the one at rest where the two
+  // are near enough. pressure_change (8): rise of its pressure that d brings [Pa]; change (8): the
+  // largest component of d [m].
+  void (*nucleus)(const DiscGroupView&, const float* work, const float* response, float* d,
+                  float* pressure_change, float* change);
+  // Free part of the present gradient (work) of the nucleus' volume (nnode x 3 x 8) [m^2].
+  void (*gradient)(const DiscGroupView&, const float* work, float* out);
+  // Adds factor (8) times d to u, free part.
+  void (*apply)(const DiscGroupView&, const float* factor, const float* d, float* u);
   // Work (8) of the forces f along d, free part [J].
   void (*slope)(const DiscGroupView&, const float* f, const float* d, float* out);
   void (*store)(const DiscGroupView&, const float* u, double* state);

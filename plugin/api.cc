@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cstring>
 #include <string>
+#include <vector>
 
+#include "model/disc_field.h"
 #include "plugin/facet_collider.h"
 #include "plugin/mujoco_torso.h"
 #include "plugin/passive.h"
@@ -137,6 +139,44 @@ int torso_discTets(const mjModel* m, int disc, int* tet) {
   return 0;
 }
 
+int torso_discCells(const mjModel* m, int disc, int* cell) {
+  const Instance* instance = withDisc(m, disc);
+  if (!instance) return -1;
+  const std::vector<int>& cells = instance->batch->disc(disc).mesh.cells;
+  std::copy(cells.begin(), cells.end(), cell);
+  return 0;
+}
+
+int torso_discRest(const mjModel* m, int disc, mjtNum* pos) {
+  const Instance* instance = withDisc(m, disc);
+  if (!instance) return -1;
+  for (const Eigen::Vector3d& x : instance->batch->disc(disc).mesh.rest_positions) {
+    mju_copy3(pos, x.data());
+    pos += 3;
+  }
+  return 0;
+}
+
+int torso_discSkin(const mjModel* m, int disc) {
+  const Instance* instance = withDisc(m, disc);
+  if (!instance) return -1;
+  const int tuple = instance->discs[disc].tuple, adr = m->tuple_adr[tuple];
+  for (int i = adr; i < adr + m->tuple_size[tuple]; i++) {
+    if (m->tuple_objtype[i] == mjOBJ_SKIN) return m->tuple_objid[i];
+  }
+  return -1;
+}
+
+int torso_discFrame(const mjModel* m, const mjData* d, int disc, mjtNum pos[3], mjtNum mat[9]) {
+  const Instance* instance = withDisc(m, disc);
+  if (!instance) return -1;
+  const torso::DiscPose X = placeDisc(d, instance->discs[disc]).world;
+  mju_copy3(pos, X.position.data());
+  Eigen::Map<Eigen::Matrix<mjtNum, 3, 3, Eigen::RowMajor>> axes(mat);
+  axes = X.rotation.toRotationMatrix();
+  return 0;
+}
+
 int torso_discNodes(const mjModel* m, const mjData* d, int disc, mjtNum* xpos) {
   const Instance* instance = withDisc(m, disc);
   if (!instance) return -1;
@@ -147,6 +187,25 @@ int torso_discNodes(const mjModel* m, const mjData* d, int disc, mjtNum* xpos) {
   for (int i = 0; i < n; i++) {
     Eigen::Map<Eigen::Vector3d> x(xpos + 3 * i);
     x = X.world.position + X.world.rotation * Eigen::Vector3d(x);
+  }
+  return 0;
+}
+
+int torso_discStress(const mjModel* m, const mjData* d, int disc, mjtNum* stress, mjtNum* stretch) {
+  const Instance* instance = withDisc(m, disc);
+  if (!instance) return -1;
+  const auto& [mesh, material] = instance->batch->disc(disc);
+  std::vector<Eigen::Vector3d> x(mesh.rest_positions.size());
+  torso_discNodes(m, d, disc, x[0].data());
+  for (const torso::TetStress& tet : torso::discStress(mesh, material, x)) {
+    if (stress) {
+      mju_copy(stress, tet.cauchy.data(), 9);
+      stress += 9;
+    }
+    if (stretch) {
+      mju_copy(stretch, tet.fibre_stretch.data(), 2);
+      stretch += 2;
+    }
   }
   return 0;
 }

@@ -65,8 +65,23 @@ MJAPI int torso_discBodies(const mjModel* m, int disc, int bodyid[2]);
 MJAPI int torso_discSize(const mjModel* m, int disc, int* nnode, int* ntet);
 /* node indices (ntet x 4) */
 MJAPI int torso_discTets(const mjModel* m, int disc, int* tet);
+/* cell of the annulus that each tetrahedron belongs to, -1 in the nucleus (ntet) */
+MJAPI int torso_discCells(const mjModel* m, int disc, int* cell);
+/* node positions at rest in the disc frame (nnode x 3) [m] */
+MJAPI int torso_discRest(const mjModel* m, int disc, mjtNum* pos);
+/* id of the skin that shows the disc in viewers, -1 if it has none or on error */
+MJAPI int torso_discSkin(const mjModel* m, int disc);
+/* the disc frame, which moves with the lower bone, in the world: origin [m] and axes (row-major,
+ * the columns are x forward, y left, z along the disc's axis) */
+MJAPI int torso_discFrame(const mjModel* m, const mjData* d, int disc, mjtNum pos[3],
+                          mjtNum mat[9]);
 /* node positions in the world (nnode x 3) [m] */
 MJAPI int torso_discNodes(const mjModel* m, const mjData* d, int disc, mjtNum* xpos);
+/* Cauchy stress in the world frame (ntet x 9, symmetric) [Pa], and the stretch of the two fibre
+ * families (ntet x 2), 1 in the nucleus. Either may be NULL. Elastic, without the disc's viscosity.
+ * Allocates: not for callbacks */
+MJAPI int torso_discStress(const mjModel* m, const mjData* d, int disc, mjtNum* stress,
+                           mjtNum* stretch);
 /* elastic force [N] and moment [Nm] on the upper bone, about point [m], all in the world frame; the
  * lower bone gets the opposite at the same point. point may be NULL */
 MJAPI int torso_discWrench(const mjModel* m, const mjData* d, int disc, mjtNum force[3],

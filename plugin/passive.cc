@@ -84,24 +84,31 @@ double poseKey(const DiscPose* poses, int n) {
 }
 
 // Adds a value to column `dof` of three neighbouring rows of the constraint Jacobian that have the
-// same columns, or clears it.
-void addToRows(const mjModel* m, mjData* d, int first_row, int dof, const mjtNum* value,
-               bool clear) {
-  const auto add = [&](mjtNum* entry, int k) { *entry = clear ? 0 : *entry + value[k]; };
+// same columns.
+void addToRows(const mjModel* m, mjData* d, int first_row, int dof, const mjtNum value[3]) {
   if (!mj_isSparse(m)) {
-    for (int k = 0; k < 3; k++) add(d->efc_J + m->nv * (first_row + k) + dof, k);
+    for (int k = 0; k < 3; k++) d->efc_J[m->nv * (first_row + k) + dof] += value[k];
     return;
   }
   const int* columns = d->efc_J_colind + d->efc_J_rowadr[first_row];
   const int* end = columns + d->efc_J_rownnz[first_row];
   const int* column = std::lower_bound(columns, end, dof);
   if (column == end || *column != dof) return;  // a dof that moves both bodies alike
-  // In the transpose the three entries stand side by side.
-  const int* rows = d->efc_JT_colind + d->efc_JT_rowadr[dof];
-  const int* row = std::lower_bound(rows, rows + d->efc_JT_rownnz[dof], first_row);
-  for (int k = 0; k < 3; k++) {
-    add(d->efc_J + d->efc_J_rowadr[first_row + k] + (column - columns), k);
-    add(d->efc_JT + d->efc_JT_rowadr[dof] + (row - rows) + k, k);
+  for (int k = 0; k < 3; k++)
+    d->efc_J[d->efc_J_rowadr[first_row + k] + (column - columns)] += value[k];
+}
+
+// Copies three such rows of the sparse Jacobian into its transpose.
+void transposeRows(mjData* d, int first_row) {
+  const int *columns = d->efc_J_colind + d->efc_J_rowadr[first_row],
+            *adr = d->efc_J_rowadr + first_row;
+  for (int i = 0; i < d->efc_J_rownnz[first_row]; i++) {
+    const int dof = columns[i];
+    // In the transpose the three entries stand side by side.
+    const int* rows = d->efc_JT_colind + d->efc_JT_rowadr[dof];
+    const int* row = std::lower_bound(rows, rows + d->efc_JT_rownnz[dof], first_row);
+    mjtNum* entry = d->efc_JT + d->efc_JT_rowadr[dof] + (row - rows);
+    for (int k = 0; k < 3; k++) entry[k] = d->efc_J[adr[k] + i];
   }
 }
 
@@ -114,23 +121,26 @@ void useCommonPoint(const mjModel* m, mjData* d, int equality, int first_row) {
   mjtNum point[3];
   mju_rotVecMat(point, m->eq_data + mjNEQDATA * equality, d->xmat + 9 * bodies[1]);
   mju_addTo3(point, d->xpos + 3 * bodies[1]);
-  for (bool clear : {true, false}) {
-    for (int side : {0, 1}) {
-      int body = bodies[side];
-      while (body && !m->body_dofnum[body]) body = m->body_parentid[body];
-      if (!body) continue;
-      mjtNum offset[3];
-      mju_sub3(offset, point, d->subtree_com + 3 * m->body_rootid[body]);
-      for (int i = m->body_dofadr[body] + m->body_dofnum[body] - 1; i >= 0;
-           i = m->dof_parentid[i]) {
-        mjtNum velocity[3];
-        mju_cross(velocity, d->cdof + 6 * i, offset);
-        mju_addTo3(velocity, d->cdof + 6 * i + 3);
-        if (side) mju_scl3(velocity, velocity, -1);
-        addToRows(m, d, first_row, i, velocity, clear);
-      }
+  const bool sparse = mj_isSparse(m);
+  for (int row = first_row; row < first_row + 3; row++) {
+    mju_zero(d->efc_J + (sparse ? d->efc_J_rowadr[row] : m->nv * row),
+             sparse ? d->efc_J_rownnz[row] : m->nv);
+  }
+  for (int side : {0, 1}) {
+    int body = bodies[side];
+    while (body && !m->body_dofnum[body]) body = m->body_parentid[body];
+    if (!body) continue;
+    mjtNum offset[3];
+    mju_sub3(offset, point, d->subtree_com + 3 * m->body_rootid[body]);
+    for (int i = m->body_dofadr[body] + m->body_dofnum[body] - 1; i >= 0; i = m->dof_parentid[i]) {
+      mjtNum velocity[3];
+      mju_cross(velocity, d->cdof + 6 * i, offset);
+      mju_addTo3(velocity, d->cdof + 6 * i + 3);
+      if (side) mju_scl3(velocity, velocity, -1);
+      addToRows(m, d, first_row, i, velocity);
     }
   }
+  if (sparse) transposeRows(d, first_row);
 }
 
 }  // namespace

@@ -2,6 +2,20 @@
 #include "plugin/sensor.h"
 
 namespace torso::plugin {
+namespace {
+
+// As facetForce, of all facets in one pass over the contacts (nfacet x 3).
+void facetForces(const mjData* d, const Instance& instance, mjtNum* force) {
+  mju_zero(force, 3 * static_cast<int>(instance.facets.size()));
+  for (int i = 0; i < d->ncon; i++) {
+    const mjContact& con = d->contact[i];
+    const int facet = instance.facet_of_geom[con.geom2];
+    if (facet < 0 || facet != instance.facet_of_geom[con.geom1] || con.efc_address < 0) continue;
+    mju_addToScl3(force + 3 * facet, con.frame, -d->efc_force[con.efc_address]);
+  }
+}
+
+}  // namespace
 
 const mjtNum* discResult(const mjData* d, const Instance& instance, int disc) {
   return d->userdata + instance.state.adr + instance.state.result + StateLayout::kResult * disc;
@@ -27,6 +41,9 @@ void facetForce(const mjModel*, const mjData* d, const Instance& instance, int f
 }
 
 void fillSensors(const mjModel* m, mjData* d, const Instance& instance, int stage) {
+  const int mark = d->pstack, nfacet = static_cast<int>(instance.facets.size());
+  mjtNum* facet_force = mj_stackAlloc(d, 3 * nfacet);
+  facetForces(d, instance, facet_force);
   for (const Sensor& sensor : instance.sensors) {
     if (m->sensor_needstage[sensor.id] != stage) continue;
     mjtNum* out = d->sensordata + m->sensor_adr[sensor.id];
@@ -50,12 +67,11 @@ void fillSensors(const mjModel* m, mjData* d, const Instance& instance, int stag
         break;
       default:
         for (std::size_t k = 0; k < level.facets.size(); k++) {
-          mjtNum force[3];
-          facetForce(m, d, instance, level.facets[k], force);
-          out[k] = mju_norm3(force);
+          out[k] = mju_norm3(facet_force + 3 * level.facets[k]);
         }
     }
   }
+  d->pstack = mark;
   // Ligament tensions in one pass over the limit rows.
   for (int i = d->ne + d->nf; i < d->nefc; i++) {
     if (d->efc_type[i] != mjCNSTR_LIMIT_TENDON) continue;

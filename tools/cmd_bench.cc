@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "tools/clock.h"
 #include "tools/commands.h"
 #include "tools/error.h"
 #include "tools/mujoco_support.h"
 #include "tools/paths.h"
 #include "tools/rollout.h"
+#include "tools/step_cost.h"
 
 namespace torso::tools {
 namespace {
@@ -28,27 +28,6 @@ struct Options {
   double seconds = 2;
   int repetitions = 7;
   bool json = false;
-};
-
-// Processor time that the calling thread has spent in mjcb_passive while a PassiveTimer lives [s].
-thread_local double passive_seconds = 0;
-mjfGeneric timed_callback = nullptr;
-
-void timedPassive(const mjModel* m, mjData* d) {
-  const double start = threadSeconds();
-  timed_callback(m, d);
-  passive_seconds += threadSeconds() - start;
-}
-
-class PassiveTimer {
- public:
-  PassiveTimer() {
-    timed_callback = mjcb_passive;
-    if (timed_callback) mjcb_passive = timedPassive;
-  }
-  ~PassiveTimer() { mjcb_passive = timed_callback; }
-  PassiveTimer(const PassiveTimer&) = delete;
-  PassiveTimer& operator=(const PassiveTimer&) = delete;
 };
 
 // The body falls from 0.2 m, standing, with random controls.
@@ -73,25 +52,12 @@ struct Subject {
   DataPtr d;
 };
 
-struct StepCost {
-  double step_us, passive_us;  // processor time of a step, and of the callback in it
-};
-
-StepCost measure(const Subject& subject, mjData* d, double seconds, std::uint64_t seed) {
-  const mjModel* m = subject.m.get();
-  const RolloutOptions options = scenario(seconds);
-  startRun(m, d, options);
-  ControlSignal controls(m, d, options, seed);
-  passive_seconds = 0;
-  const double start = threadSeconds();
-  const auto steps = static_cast<double>(simulate(m, d, controls, seconds));
-  const double spent = threadSeconds() - start;
-  const std::string warning = firstWarning(d);
-  if (!warning.empty()) {
-    throw Error(fmt::format("{}: seed {} at {:.0f} Hz is not worth measuring: {}", subject.path,
-                            seed, 1 / m->opt.timestep, warning));
+double measure(const Subject& subject, mjData* d, double seconds, std::uint64_t seed) {
+  try {
+    return stepMicroseconds(subject.m.get(), d, scenario(seconds), seed);
+  } catch (const Error& e) {
+    throw Error(fmt::format("{}: {}", subject.path, e.what()));
   }
-  return {1e6 * spent / steps, 1e6 * passive_seconds / steps};
 }
 
 double wallSeconds() {
@@ -105,6 +71,21 @@ double median(std::vector<double> values) {
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2) return *middle;
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
+}
+
+// Median of each part, and what a step costs beyond them.
+Json partsJson(const std::vector<StepParts>& measured, double step_us) {
+  Json parts;
+  double other = step_us;
+  for (int i = 0; i < kNumParts; i++) {
+    std::vector<double> values;
+    for (const StepParts& p : measured) values.push_back(p[i]);
+    const double value = median(values);
+    parts[kPartNames[i]] = value;
+    other -= value;
+  }
+  parts["other"] = other;
+  return parts;
 }
 
 // "<folder>/human_fixed.xml" for "<folder>/human.xml"; "" if it is not there.
@@ -124,41 +105,41 @@ Json bench(const Options& options) {
 
   // Everything in turn in each repetition, so that what else the machine does hits all alike. The
   // first repetition warms up and does not count.
-  std::vector<double> step600, disc600, step200, disc200, ratio, speedup;
+  std::vector<double> step600, step200, ratio, speedup;
+  std::vector<StepParts> parts600, parts200;
   const double seconds = options.seconds;
-  const PassiveTimer timer;
   for (int seed = 0; seed <= options.repetitions; seed++) {
     const double start = wallSeconds();
-    const StepCost cost600 = measure(at600, at600.d.get(), seconds, seed);
+    const double us600 = measure(at600, at600.d.get(), seconds, seed);
     const double wall_one = wallSeconds() - start;
-    const StepCost cost_fixed = fixed ? measure(*fixed, fixed->d.get(), seconds, seed) : StepCost{};
-    const StepCost cost200 = measure(at200, at200.d.get(), seconds, seed);
-
+    const double us_fixed = fixed ? measure(*fixed, fixed->d.get(), seconds, seed) : 0;
+    const double us200 = measure(at200, at200.d.get(), seconds, seed);
+    const StepParts p600 = stepParts(at600.m.get(), at600.d.get(), scenario(seconds), seed);
+    const StepParts p200 = stepParts(at200.m.get(), at200.d.get(), scenario(seconds), seed);
     const double start_two = wallSeconds();
     auto other =
         std::async(std::launch::async, [&] { return measure(at600, second.get(), seconds, seed); });
     measure(at600, at600.d.get(), seconds, seed);
     other.get();
     const double wall_two = wallSeconds() - start_two;
-
     if (seed == 0) continue;
-    step600.push_back(cost600.step_us);
-    disc600.push_back(cost600.passive_us);
-    step200.push_back(cost200.step_us);
-    disc200.push_back(cost200.passive_us);
-    if (fixed) ratio.push_back(cost600.step_us / cost_fixed.step_us);
+    step600.push_back(us600);
+    step200.push_back(us200);
+    parts600.push_back(p600);
+    parts200.push_back(p200);
+    if (fixed) ratio.push_back(us600 / us_fixed);
     speedup.push_back(2 * wall_one / wall_two);
   }
-
+  const double us600 = median(step600), us200 = median(step200);
   return {{"model", path},
           {"fixed_model", fixed ? Json(fixed_path) : Json()},
           {"repetitions", options.repetitions},
-          {"step_us", median(step600)},
-          {"disc_us", median(disc600)},
-          {"step_200hz_us", median(step200)},
-          {"disc_200hz_us", median(disc200)},
-          {"rtf_600hz", 1e6 / 600 / median(step600)},
-          {"rtf_200hz", 1e6 / 200 / median(step200)},
+          {"step_us", us600},
+          {"step_200hz_us", us200},
+          {"parts_us", partsJson(parts600, us600)},
+          {"parts_200hz_us", partsJson(parts200, us200)},
+          {"rtf_600hz", 1e6 / 600 / us600},
+          {"rtf_200hz", 1e6 / 200 / us200},
           {"ratio_to_fixed_torso", fixed ? Json(median(ratio)) : Json()},
           {"threads_2_speedup", median(speedup)}};
 }
@@ -169,10 +150,14 @@ void print(const Json& j) {
   };
   const auto number = [&](const char* key) { return j[key].get<double>(); };
   row("model", j["model"].get<std::string>());
-  row("step at 600 Hz [us]",
-      fmt::format("{:.0f}, of which discs {:.0f}", number("step_us"), number("disc_us")));
-  row("step at 200 Hz [us]", fmt::format("{:.0f}, of which discs {:.0f}", number("step_200hz_us"),
-                                         number("disc_200hz_us")));
+  fmt::print("{:<42}{:>7}  {:>7}\n", "processor time [us]", "600 Hz", "200 Hz");
+  const auto both = [](const std::string& name, const Json& at600, const Json& at200) {
+    fmt::print("{:<42}{:7.1f}  {:7.1f}\n", name, at600.get<double>(), at200.get<double>());
+  };
+  both("step", j["step_us"], j["step_200hz_us"]);
+  for (const auto& [name, us] : j["parts_us"].items()) {
+    both("  " + name, us, j["parts_200hz_us"][name]);
+  }
   row("real-time factor of one core, 600 Hz", fmt::format("{:.2f}", number("rtf_600hz")));
   row("real-time factor of one core, 200 Hz", fmt::format("{:.2f}", number("rtf_200hz")));
   row("cost of a step to that with a fixed torso",
@@ -189,10 +174,12 @@ void addBench(CLI::App& app) {
   command->footer(
       "The standing body falls from 0.2 m with random controls. Medians over the repetitions, "
       "each\n"
-      "of which measures everything in turn. Times of steps are processor times of one thread;\n"
-      "disc_us is the part inside mjcb_passive, the torso plugin's. threads_2_speedup is wall "
-      "time:\n"
-      "it needs two idle cores.\n\n"
+      "of which measures everything in turn. Times of steps are processor times of one thread.\n"
+      "Their parts come from runs of their own, on MuJoCo's timers; disc and rows are the torso\n"
+      "plugin's mjcb_passive: its disc solver, and the rest. 'other' is what the parts leave of "
+      "the\n"
+      "step; it may be below zero by the noise. threads_2_speedup is wall time: it needs two idle\n"
+      "cores.\n\n"
       "Examples:\n"
       "  torso bench\n"
       "  torso bench mjcf/human.xml --repetitions 15 --json");

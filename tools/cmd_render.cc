@@ -39,7 +39,8 @@ void render(Options options) {
   }
   mj_forward(m.get(), d.get());
   const mjvCamera camera = options.picture.view(m.get(), {d.get()}, options.model);
-  Renderer renderer(m.get(), options.picture.width, options.picture.height);
+  const auto discs = options.picture.discColours(m.get(), {d.get()}, options.model);
+  Renderer renderer(m.get(), options.picture.width, options.picture.height, discs);
   writeFile(options.output, renderer.png(d.get(), visibility, camera));
 }
 
@@ -53,7 +54,8 @@ void addRender(CLI::App& app) {
       "Examples:\n"
       "  torso render mjcf/human.xml -o human.png\n"
       "  torso render mjcf/torso.xml -o spine.png --layers bones,discs --azimuth 90\n"
-      "  torso render mjcf/human.xml -o fallen.png --time 2 --drop 0.5 --control random");
+      "  torso render mjcf/human.xml -o fallen.png --time 2 --drop 0.5 --control random\n"
+      "  torso render mjcf/torso_held.xml -o load.png --time 1 --discs mises --azimuth 90");
   command->add_option("MODEL", options->model, "MJCF, URDF or MJB file")->required();
   command->add_option("-o,--output", options->output, "PNG file to write")->required();
   command->add_option("--time", options->rollout.seconds, "Simulate so long before [s]")

@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/commands.h"
@@ -18,6 +21,7 @@
 #include "tools/picture_options.h"
 #include "tools/renderer.h"
 #include "tools/rollout.h"
+#include "tools/vtu.h"
 
 namespace torso::tools {
 namespace {
@@ -25,11 +29,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string model, keyframe, csv, render_folder;
+  std::string model, keyframe, csv, render_folder, vtu_folder;
   RolloutOptions rollout;
   double timestep = 0;  // [s], 0: the model's
   double rate = 60;     // of the time series [1/s]
   int frames = 8;
+  double vtu_interval = 0.1;      // [s]
+  std::vector<double> vtu_times;  // [s], instead
   PictureOptions picture;
   bool json = false;
 };
@@ -180,6 +186,28 @@ void print(const Json& j) {
   row("  max", withPlace(j["facet_violation_mm"]["max"], at["max_facet_violation"]));
 }
 
+// The inside of the discs over a run: one file per instant as it comes, and at last what lists
+// them.
+class VtuFolder {
+ public:
+  VtuFolder(const std::string& folder, std::uint64_t seed) : folder_(folder), seed_(seed) {
+    makeFolder(folder);
+  }
+
+  void add(const mjModel* m, const mjData* d) {
+    const std::string name = fmt::format("seed{}_{:05}.vtu", seed_, files_.size());
+    writeFile(folder_ + "/" + name, vtu(m, d));
+    files_.push_back({d->time, name});
+  }
+
+  void finish() const { writeFile(fmt::format("{}/seed{}.pvd", folder_, seed_), pvd(files_)); }
+
+ private:
+  std::string folder_;
+  std::uint64_t seed_;
+  std::vector<std::pair<double, std::string>> files_;
+};
+
 // One camera for all frames, so that the motion shows.
 void writeFrames(const Options& options, mjModel* m, const std::vector<DataPtr>& frames) {
   if (frames.empty()) return;
@@ -188,7 +216,8 @@ void writeFrames(const Options& options, mjModel* m, const std::vector<DataPtr>&
   for (const DataPtr& d : frames) states.push_back(d.get());
   const mjvCamera camera = options.picture.view(m, states, options.model);
   const mjvOption visibility = options.picture.visibility();
-  Renderer renderer(m, options.picture.width, options.picture.height);
+  const auto discs = options.picture.discColours(m, states, options.model);
+  Renderer renderer(m, options.picture.width, options.picture.height, discs);
   for (const DataPtr& d : frames) {
     const std::string path = fmt::format("{}/seed{}_{:06.0f}ms.png", options.render_folder,
                                          options.rollout.seed0, 1000 * d->time);
@@ -219,6 +248,22 @@ void run(Options options) {
                          }});
   }
 
+  std::optional<VtuFolder> vtu_folder;
+  if (!options.vtu_folder.empty()) {
+    if (torso.ndisc == 0) throw Error(options.model + ": the model has no discs to write");
+    std::vector<double>& times = options.vtu_times;
+    std::sort(times.begin(), times.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
+    if (!times.empty() && times.back() > options.rollout.seconds) {
+      throw Error(
+          fmt::format("--vtu-at {}: the run ends at {} s", times.back(), options.rollout.seconds));
+    }
+    vtu_folder.emplace(options.vtu_folder, options.rollout.seed0);
+    observers.push_back({1 / options.vtu_interval,
+                         [&](const mjModel* model, const mjData* d) { vtu_folder->add(model, d); },
+                         times});
+  }
+
   const bool progress = isatty(STDERR_FILENO);
   std::signal(SIGINT, onInterrupt);
   const RolloutSummary summary =
@@ -233,6 +278,7 @@ void run(Options options) {
     std::fflush(stdout);
   }
   if (!options.csv.empty()) writeFile(options.csv, series.text());
+  if (vtu_folder) vtu_folder->finish();
   if (!options.render_folder.empty()) writeFrames(options, m.get(), frames);
 
   if (interrupted) {
@@ -275,7 +321,8 @@ void addRun(CLI::App& app) {
       "Examples:\n"
       "  torso run mjcf/human.xml\n"
       "  torso run mjcf/human.xml --drop 2 --control random --seeds 100 --threads 2 --json\n"
-      "  torso run mjcf/human.xml --drop 0.5 --csv drop.csv --render frames");
+      "  torso run mjcf/human.xml --drop 0.5 --csv drop.csv --render frames\n"
+      "  torso run mjcf/torso_held.xml --seconds 1 --vtu discs --vtu-at 0,1");
   command->add_option("MODEL", options->model, "MJCF, URDF or MJB file")->required();
   command->add_option("--seconds", rollout.seconds, "Simulated time of each run [s]")
       ->check(CLI::PositiveNumber)
@@ -303,6 +350,18 @@ void addRun(CLI::App& app) {
   command->add_option("--frames", options->frames, "Number of pictures, from start to end")
       ->check(CLI::Range(2, 100000))
       ->capture_default_str();
+  auto* vtu = command->add_option("--vtu", options->vtu_folder,
+                                  "Write stress and fibre stretch inside the discs of the first "
+                                  "seed to this folder, for ParaView");
+  auto* interval = command->add_option("--vtu-every", options->vtu_interval, "Time between [s]")
+                       ->check(CLI::PositiveNumber)
+                       ->needs(vtu)
+                       ->capture_default_str();
+  command->add_option("--vtu-at", options->vtu_times, "Only at these times [s]")
+      ->delimiter(',')
+      ->check(CLI::NonNegativeNumber)
+      ->needs(vtu)
+      ->excludes(interval);
   options->picture.addTo(*command);
   command->callback([options] { run(*options); });
 }

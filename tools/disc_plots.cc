@@ -151,8 +151,8 @@ void writeDiscPlots(const std::string& folder, const Anatomy& anatomy,
       "# Draws the tables beside it: gnuplot discs.gp\n"
       "set terminal pngcairo size 2200,1000 font 'sans,12'\n"
       "set datafile separator ','\nset palette defined (0 '#1b3a6b', 0.5 '#2a9d8f', 1 '#e9c46a')\n"
-      "unset colorbox\nset key left top font ',9'\n"
-      "set offsets 0,0,graph 0.3,0\nset grid lc rgb 'gray60'\nset xrange [0:*]\nset yrange [0:*]\n";
+      "unset colorbox\nset key right bottom font ',9'\n"
+      "set offsets 0,0,graph 0.05,0\nset grid lc rgb 'gray60'\nset xrange [0:*]\nset yrange [0:*]\n";
   for (Region region : kRegions) {
     const auto chosen = ofRegion(reports, region);
     if (chosen.empty()) continue;

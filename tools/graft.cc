@@ -799,7 +799,8 @@ void Grafter::mergeSettings() {
       for (XMLElement* e = custom->FirstChildElement("numeric"); e;
            e = e->NextSiblingElement("numeric")) {
         if (text(e, "name") != ours("mujoco_torso")) continue;
-        e->SetAttribute("data", mjcfText({1, 0, static_cast<double>(theirs)}).c_str());
+        const double format = std::atof(e->Attribute("data"));
+        e->SetAttribute("data", mjcfText({format, 0, static_cast<double>(theirs)}).c_str());
       }
     }
     const bool sum = name == "njmax" || name == "nconmax" || name == "nuserdata";

@@ -4,12 +4,31 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 
 #include "tools/error.h"
 #include "tools/mujoco_support.h"
 #include "tools/renderer.h"
 
 namespace torso::tools {
+
+namespace {
+
+// LOW:HIGH; returns "" or what is wrong with it.
+std::string readRange(const std::string& text, std::array<double, 2>* range) {
+  double low, high;
+  int end = 0;
+  if (std::sscanf(text.c_str(), "%lf:%lf%n", &low, &high, &end) != 2 ||
+      end != static_cast<int>(text.size()) || !std::isfinite(low) || !std::isfinite(high)) {
+    return fmt::format("'{}' is not LOW:HIGH, two numbers", text);
+  }
+  if (!(low < high)) return fmt::format("in '{}' LOW must be less than HIGH", text);
+  if (range) *range = {low, high};
+  return "";
+}
+
+}  // namespace
 
 void PictureOptions::addTo(CLI::App& command) {
   const std::string group = "Picture";
@@ -53,6 +72,23 @@ void PictureOptions::addTo(CLI::App& command) {
       ->delimiter(',')
       ->group(group);
   command.add_option("--hide", hide, "Layers or groups to leave out")->delimiter(',')->group(group);
+  auto* colours =
+      command
+          .add_option("--discs", discs,
+                      "Draw the discs as deformed, coloured by pressure or von Mises stress")
+          ->check(CLI::IsMember({"pressure", "mises"}))
+          ->group(group);
+  command
+      .add_option("--discs-range", range,
+                  "LOW:HIGH, values of the first and last colour [MPa]; by default all but the "
+                  "outermost 2 % have colours of their own")
+      ->check([](const std::string& text) { return readRange(text, nullptr); })
+      ->type_name("LOW:HIGH")
+      ->needs(colours)
+      ->group(group);
+  command.add_flag("--discs-cut", cut_discs, "Draw only their right half, to show the section")
+      ->needs(colours)
+      ->group(group);
 }
 
 mjvOption PictureOptions::visibility() const {
@@ -86,6 +122,23 @@ mjvCamera PictureOptions::view(const mjModel* m, const std::vector<const mjData*
   if (distance) result.distance = *distance;
   if (!lookat.empty()) std::copy(lookat.begin(), lookat.end(), result.lookat);
   return result;
+}
+
+std::optional<DiscColours> PictureOptions::discColours(const mjModel* m,
+                                                       const std::vector<const mjData*>& states,
+                                                       const std::string& path) const {
+  if (discs.empty()) return std::nullopt;
+  if (torsoOf(m, path).ndisc == 0) throw Error(path + ": the model has no discs to colour");
+  DiscColours colours;
+  colours.quantity = discs == "mises" ? DiscQuantity::kMises : DiscQuantity::kPressure;
+  colours.cut = cut_discs;
+  if (range) {
+    readRange(*range, &colours.range);
+    for (double& value : colours.range) value *= 1e6;
+  } else {
+    colours.range = discRange(m, states, colours.quantity, colours.cut);
+  }
+  return colours;
 }
 
 }  // namespace torso::tools

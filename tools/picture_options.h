@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/disc_skin.h"
+
 namespace torso::tools {
 
 // The options that say what a picture shows and from where, the same in each command that makes
@@ -19,6 +21,9 @@ struct PictureOptions {
   std::optional<double> azimuth, elevation, distance;  // [deg], [deg], [m]
   std::vector<double> lookat;                          // empty or x, y, z [m]
   std::vector<std::string> layers, show, hide;
+  std::string discs;                 // "", "pressure" or "mises"
+  std::optional<std::string> range;  // of the colours of discs, LOW:HIGH [MPa]
+  bool cut_discs = false;
 
   void addTo(CLI::App& command);
 
@@ -28,6 +33,10 @@ struct PictureOptions {
   // Throws Error "<path>: ..." that lists the model's cameras if the named one does not exist.
   mjvCamera view(const mjModel* m, const std::vector<const mjData*>& states,
                  const std::string& path) const;
+  // How the discs are coloured, if they are; by default with a range from what they show in all the
+  // states. Throws Error "<path>: ..." if the model has none.
+  std::optional<DiscColours> discColours(const mjModel* m, const std::vector<const mjData*>& states,
+                                         const std::string& path) const;
 };
 
 }  // namespace torso::tools

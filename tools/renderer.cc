@@ -64,39 +64,67 @@ struct Renderer::Context {
   EGLContext context = nullptr;
 };
 
-Renderer::Renderer(mjModel* m, int width, int height)
-    : context_(std::make_unique<Context>()), m_(m), width_(width), height_(height) {
+// What MuJoCo's visualiser and renderer make of one model.
+struct Renderer::Stage {
+  Stage(const mjModel* m, int width, int height) {
+    mjv_defaultScene(&scene);
+    mjr_defaultContext(&gl);
+    try {
+      mjr_makeContext(m, &gl, height < 1400 ? mjFONTSCALE_100 : mjFONTSCALE_200);
+      if (height < 720) mjr_changeFont(mjFONTSCALE_50, &gl);  // mjr_makeContext takes it for 100
+      mjr_setBuffer(mjFB_OFFSCREEN, &gl);
+      const mjrRect largest = mjr_maxViewport(&gl);
+      if (largest.width < width || largest.height < height) {
+        throw Error(fmt::format("a picture of {} x {} is too large; at most {} x {} here", width,
+                                height, largest.width, largest.height));
+      }
+      // Each geom, site, contact and so on may need a few visual geoms, each tendon one per
+      // segment.
+      mjv_makeScene(m, &scene, 2000 + 4 * (m->ngeom + m->nsite + m->nbody + 4 * m->nwrap));
+    } catch (...) {
+      mjr_freeContext(&gl);
+      throw;
+    }
+  }
+
+  ~Stage() {
+    mjv_freeScene(&scene);
+    mjr_freeContext(&gl);
+  }
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  mjvScene scene;
+  mjrContext gl;
+};
+
+Renderer::Renderer(mjModel* m, int width, int height, std::optional<DiscColours> discs)
+    : context_(std::make_unique<Context>()), m_(m), width_(width), height_(height), discs_(discs) {
   m->vis.global.offwidth = width;
   m->vis.global.offheight = height;
-  mjv_defaultScene(&scene_);
-  mjr_defaultContext(&gl_);
-  try {
-    mjr_makeContext(m, &gl_, mjFONTSCALE_100);
-    mjr_setBuffer(mjFB_OFFSCREEN, &gl_);
-    const mjrRect largest = mjr_maxViewport(&gl_);
-    if (largest.width < width || largest.height < height) {
-      throw Error(fmt::format("a picture of {} x {} is too large; at most {} x {} here", width,
-                              height, largest.width, largest.height));
-    }
-    // Each geom, site, contact and so on may need a few visual geoms, each tendon one per segment.
-    mjv_makeScene(m, &scene_, 2000 + 4 * (m->ngeom + m->nsite + m->nbody + 4 * m->nwrap));
-  } catch (...) {
-    mjr_freeContext(&gl_);
-    throw;
-  }
+  stage_ = std::make_unique<Stage>(m, width, height);
 }
 
-Renderer::~Renderer() {
-  mjv_freeScene(&scene_);
-  mjr_freeContext(&gl_);
-}
+Renderer::~Renderer() = default;
 
 std::string Renderer::png(mjData* d, const mjvOption& option, mjvCamera camera) {
-  mjv_updateScene(m_, d, &option, nullptr, &camera, mjCAT_ALL, &scene_);
+  const mjModel* m = m_;
+  std::optional<DiscSkin> discs;
+  if (discs_) {
+    // Faces and colours of a skin are constants of the OpenGL context.
+    discs.emplace(m_, d, *discs_);
+    m = discs->model();
+    stage_.reset();
+    stage_ = std::make_unique<Stage>(m, width_, height_);
+  }
+  mjvScene& scene = stage_->scene;
+  mjv_updateScene(m, d, &option, nullptr, &camera, mjCAT_ALL, &scene);
+  if (discs) discs->place(option, &scene);
   const mjrRect viewport = {0, 0, width_, height_};
-  mjr_render(viewport, &scene_, &gl_);
+  mjr_render(viewport, &scene, &stage_->gl);
+  if (discs_) drawLegend(*discs_, viewport, stage_->gl);
   std::vector<unsigned char> rgb(std::size_t{3} * width_ * height_);
-  mjr_readPixels(rgb.data(), nullptr, viewport, &gl_);
+  mjr_readPixels(rgb.data(), nullptr, viewport, &stage_->gl);
 
   png_image image = {};
   image.version = PNG_IMAGE_VERSION;

@@ -4,8 +4,11 @@
 #include <mujoco/mujoco.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "tools/disc_skin.h"
 
 namespace torso::tools {
 
@@ -14,7 +17,8 @@ class Renderer {
  public:
   // Size in pixels; anti-aliasing as the model asks (visual/quality offsamples). Changes the size
   // of the offscreen buffer in m->vis. Throws Error if there is no EGL or the picture is too large.
-  Renderer(mjModel* m, int width, int height);
+  // discs: how they are coloured, with a legend; by default they are drawn as the model's skins.
+  Renderer(mjModel* m, int width, int height, std::optional<DiscColours> discs = std::nullopt);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
@@ -24,11 +28,12 @@ class Renderer {
 
  private:
   struct Context;
+  struct Stage;
   std::unique_ptr<Context> context_;
   const mjModel* m_;
-  mjvScene scene_;
-  mjrContext gl_;
   int width_, height_;
+  std::optional<DiscColours> discs_;
+  std::unique_ptr<Stage> stage_;
 };
 
 // What can be shown or hidden by name:

@@ -212,7 +212,10 @@ class ObserverClock {
   void tick(const mjData* d, double time) {
     bool forwarded = false;
     for (std::size_t i = 0; i < observers_.size(); i++) {
-      if (time < calls_[i] / observers_[i].rate - 1e-9) continue;
+      const std::vector<double>& times = observers_[i].times;
+      if (!times.empty() && calls_[i] >= static_cast<std::int64_t>(times.size())) continue;
+      const double due = times.empty() ? calls_[i] / observers_[i].rate : times[calls_[i]];
+      if (time < due - 1e-9) continue;
       calls_[i]++;
       if (!forwarded) {
         // On a copy: mj_forward on d itself would change the warm start of the next step.

@@ -68,6 +68,7 @@ std::int64_t simulate(const mjModel* m, mjData* d, ControlSignal& controls, doub
 struct Observer {
   double rate;  // [1/s]
   std::function<void(const mjModel*, const mjData*)> observe;
+  std::vector<double> times = {};  // [s] in order; if there are any, only then
 };
 
 // A largest or smallest value and where it stood.

@@ -86,7 +86,7 @@ void part(benchmark::State& state) {
   const DiscGroup group(meshes, elasticity_pointers, kernels);
   const DiscGroupView& view = group.view();
   const LaneArray u(3 * view.nnode), f(3 * view.nnode), d(3 * view.nnode), change(6), out(6),
-      correction(6), pressure(1), work(group.workSize() / kLanes);
+      correction(6), pressure(1), keep(1), work(group.workSize() / kLanes);
   const LaneArray old_state(2 * 3 * view.nfree);  // zeros, as many as that many doubles
   for (int i = 0; i < 3 * view.nnode; ++i) {
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -97,8 +97,8 @@ void part(benchmark::State& state) {
   for (auto _ : state) {
     switch (state.range(0)) {
       case kPredict:
-        kernels.predict(view, reinterpret_cast<const double*>(old_state.data()), change.data(),
-                        u.data());
+        kernels.predict(view, reinterpret_cast<const double*>(old_state.data()), keep.data(),
+                        change.data(), u.data());
         break;
       case kForces:
         kernels.forces(view, u.data(), f.data(), pressure.data(), work.data());
@@ -110,7 +110,8 @@ void part(benchmark::State& state) {
         kernels.solve(view, f.data(), d.data());
         break;
       case kNucleus:
-        kernels.nucleus(view, work.data(), d.data(), pressure.data());
+        kernels.nucleus(view, work.data(), view.nucleus_response, d.data(), pressure.data(),
+                        out.data());
         break;
     }
     benchmark::ClobberMemory();

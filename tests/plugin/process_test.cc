@@ -116,7 +116,7 @@ TEST_F(ProcessTest, PreloadedIntoMujocosTestspeed) {
   // That the plugin is in it shows in what it refuses.
   const Output damaged =
       run(preload + TESTSPEED " " +
-          write("<mujoco><custom><numeric name='mujoco_torso' data='1 0 0'/></custom></mujoco>") +
+          write("<mujoco><custom><numeric name='mujoco_torso' data='2 0 0'/></custom></mujoco>") +
           " 100");
   EXPECT_THAT(damaged.text, HasSubstr("torso data, custom: no tuple 'disc:...' was found"));
 }

@@ -4,12 +4,10 @@
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
-#include <png.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -17,13 +15,13 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "tests/tools/command_fixture.h"
+#include "tests/tools/picture.h"
 
 namespace torso::tools {
 namespace {
@@ -32,38 +30,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 const char kHumanoid[] = "/usr/share/mujoco/model/humanoid/humanoid.xml";
-
-struct Picture {
-  int width = 0, height = 0;
-  std::vector<png_byte> rgb;
-  std::size_t colours() const {
-    std::set<std::array<int, 3>> seen;
-    for (std::size_t i = 0; i < rgb.size(); i += 3) seen.insert({rgb[i], rgb[i + 1], rgb[i + 2]});
-    return seen.size();
-  }
-  // Pixels that are much more red than green and blue.
-  int redPixels() const {
-    int count = 0;
-    for (std::size_t i = 0; i < rgb.size(); i += 3) {
-      count += rgb[i] > 2 * rgb[i + 1] + 20 && rgb[i] > 2 * rgb[i + 2] + 20;
-    }
-    return count;
-  }
-};
-
-Picture readPng(const fs::path& path) {
-  Picture picture;
-  png_image image = {};
-  image.version = PNG_IMAGE_VERSION;
-  if (!png_image_begin_read_from_file(&image, path.c_str())) return picture;
-  image.format = PNG_FORMAT_RGB;
-  picture.rgb.resize(PNG_IMAGE_SIZE(image));
-  if (png_image_finish_read(&image, nullptr, picture.rgb.data(), 0, nullptr)) {
-    picture.width = static_cast<int>(image.width);
-    picture.height = static_cast<int>(image.height);
-  }
-  return picture;
-}
 
 int lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
@@ -81,7 +47,14 @@ TEST_F(Command, HelpExplainsAndExitsWithZero) {
 TEST_F(Command, WrongUsageExitsWithTwo) {
   for (const std::string arguments :
        {"", "frobnicate", "info", "run x.xml --seeds 0", "run x.xml --control wild",
-        "run x.xml --seconds fast", "render x.xml", "render x.xml -o a.png --layers hair"}) {
+        "run x.xml --seconds fast", "render x.xml", "render x.xml -o a.png --layers hair",
+        "render x.xml -o a.png --discs colour", "render x.xml -o a.png --discs-range 0:1",
+        "render x.xml -o a.png --discs mises --discs-range 1:1",
+        "render x.xml -o a.png --discs mises --discs-range 0:1x",
+        "render x.xml -o a.png --discs mises --discs-range 0:nan",
+        "render x.xml -o a.png --discs-cut", "run x.xml --vtu-at 0",
+        "run x.xml --vtu v --vtu-at -1", "run x.xml --vtu v --vtu-every 0",
+        "run x.xml --vtu v --vtu-every 1 --vtu-at 0"}) {
     const Result result = run(arguments);
     EXPECT_EQ(result.status, 2) << arguments;
     EXPECT_EQ(result.out, "") << arguments;
@@ -374,6 +347,9 @@ TEST_F(Command, BenchMeasuresAndComparesWithTheFixedModel) {
   EXPECT_NEAR(both["rtf_200hz"].get<double>(), 1e6 / 200 / both["step_200hz_us"].get<double>(),
               1e-6);
   EXPECT_GT(both["threads_2_speedup"], 0);
+  // Neither of them has a torso.
+  EXPECT_EQ(both["parts_us"]["disc"], 0);
+  EXPECT_GT(both["parts_us"]["inertia"], 0);
 }
 
 }  // namespace

@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/tools/command_fixture.h"
 #include "tools/mujoco_support.h"
@@ -82,6 +85,54 @@ TEST_F(Human, GivesTheSameBitsOnAnyNumberOfThreads) {
 }
 
 // The stock viewer draws at most 5000 shapes, and nothing if there are more.
+// But for neighbours at a joint, excluded bodies are those whose geoms never meet: no contact is
+// lost.
+TEST_F(Human, OnlyNeighboursAreKeptApart) {
+  const ModelPtr m = loadModel(kHuman);
+  const auto canMeet = [&](int a, int b) {
+    return (m->geom_contype[a] & m->geom_conaffinity[b]) ||
+           (m->geom_contype[b] & m->geom_conaffinity[a]);
+  };
+  std::set<std::string> apart;
+  for (int i = 0; i < m->nexclude; i++) {
+    const int body1 = (m->exclude_signature[i] >> 16) - 1;
+    const int body2 = (m->exclude_signature[i] & 0xFFFF) - 1;
+    for (int a = 0; a < m->ngeom; a++) {
+      for (int b = 0; b < m->ngeom; b++) {
+        if (m->geom_bodyid[a] != body1 || m->geom_bodyid[b] != body2 || !canMeet(a, b)) continue;
+        apart.insert(nameOf(m.get(), mjOBJ_BODY, body1) + " " + nameOf(m.get(), mjOBJ_BODY, body2));
+      }
+    }
+  }
+  EXPECT_GT(m->nexclude, 400);
+  const std::set<std::string> neighbours = {
+      "ribcage left_upper_arm", "ribcage right_upper_arm", "left_thigh L5", "left_thigh L4",
+      "right_thigh L5",         "right_thigh L4",          "head ribcage"};
+  EXPECT_EQ(apart, neighbours);
+}
+
+// The parts are measured in other runs than the step, and cover it.
+TEST_F(Human, BenchPartsAddUpToTheStep) {
+  const json j = runJson("bench --json --seconds 0.3 --repetitions 5 " + kHuman);
+  const std::vector<std::pair<std::string, std::string>> keys = {
+      {"parts_us", "step_us"}, {"parts_200hz_us", "step_200hz_us"}};
+  for (const auto& [parts, step] : keys) {
+    double sum = 0;
+    for (const auto& [name, us] : j[parts].items()) {
+      if (name == "other") continue;
+      EXPECT_GE(us, 0) << name;
+      sum += us.get<double>();
+    }
+    EXPECT_NEAR(sum, j[step].get<double>(), 0.1 * j[step].get<double>());
+    EXPECT_NEAR(sum + j[parts]["other"].get<double>(), j[step].get<double>(), 1e-6);
+    for (const char* name : {"kinematics", "collision", "constraint", "disc", "rows", "solver"}) {
+      EXPECT_GT(j[parts][name], 0) << name;
+    }
+    // An iteration of 23 discs is more than moving 24 bones ahead.
+    EXPECT_GT(j[parts]["disc"], j[parts]["integration"]);
+  }
+}
+
 TEST_F(Human, FitsIntoTheViewer) {
   const ModelPtr m = loadModel(kHuman);
   const DataPtr d = makeData(m.get());
