@@ -10,6 +10,12 @@
 namespace torso {
 namespace {
 
+const std::vector<std::string> kRegionNames = {"lumbar", "thoracic", "cervical"};
+const std::vector<std::string> kDiscQuantityNames = {
+    "compression",   "tension",  "anterior_shear", "posterior_shear",
+    "lateral_shear", "flexion",  "extension",      "lateral_bending",
+    "axial_torsion", "pressure", "loss_factor",    "preload_ratio"};
+
 constexpr double kMm = 1e-3;
 constexpr double kDeg = 3.14159265358979323846 / 180;
 
@@ -64,15 +70,8 @@ Vertebra readVertebra(const CsvTable& t, int i) {
   return v;
 }
 
-const char* regionName(Region region) {
-  return region == Region::kLumbar     ? "lumbar"
-         : region == Region::kThoracic ? "thoracic"
-                                       : "cervical";
-}
-
-// The material of the disc's region.
 void readMaterial(const CsvTable& t, Disc* disc) {
-  const int i = t.find("region", regionName(disc->region));
+  const int i = t.find("disc", disc->name);
   DiscMaterial& m = disc->material;
   m.annulus_modulus = t.number(i, "annulus_modulus_mpa") * 1e6;
   m.annulus_poisson = t.number(i, "annulus_poissons_ratio");
@@ -95,12 +94,8 @@ Vector3d facetNormal(double to_transverse, double from_frontal) {
 DiscTest readDiscTest(const CsvTable& t, int i) {
   using Quantity = DiscTest::Quantity;
   DiscTest d;
-  d.region = static_cast<Region>(t.word(i, "region", {"lumbar", "thoracic", "cervical"}));
-  d.quantity =
-      static_cast<Quantity>(t.word(i, "quantity",
-                                   {"compression", "tension", "anterior_shear", "posterior_shear",
-                                    "lateral_shear", "flexion", "extension", "lateral_bending",
-                                    "axial_torsion", "pressure", "loss_factor", "preload_ratio"}));
+  d.region = static_cast<Region>(t.word(i, "region", kRegionNames));
+  d.quantity = static_cast<Quantity>(t.word(i, "quantity", kDiscQuantityNames));
   d.whole_segment = t.word(i, "specimen", {"disc", "fsu"}) == 1;
   d.fit = t.word(i, "fit", {"0", "1"}) == 1;
 
@@ -140,6 +135,12 @@ DiscTest readDiscTest(const CsvTable& t, int i) {
 }
 
 }  // namespace
+
+const std::string& regionName(Region region) { return kRegionNames[static_cast<int>(region)]; }
+
+const std::string& discQuantityName(DiscTest::Quantity quantity) {
+  return kDiscQuantityNames[static_cast<int>(quantity)];
+}
 
 Vector3d mirror(const Vector3d& point) { return {point.x(), -point.y(), point.z()}; }
 Vector3d mirrorAxis(const Vector3d& axis) { return {-axis.x(), axis.y(), -axis.z()}; }

@@ -22,6 +22,8 @@ namespace torso {
 enum class Side { kRight = -1, kMiddle = 0, kLeft = 1 };
 
 enum class Region { kLumbar, kThoracic, kCervical };
+constexpr Region kRegions[] = {Region::kLumbar, Region::kThoracic, Region::kCervical};
+const std::string& regionName(Region region);  // "lumbar" ...
 
 struct Vertebra {
   std::string name;  // "L5" .. "C3"
@@ -133,6 +135,8 @@ struct DiscTest {
   std::string provenance;  // one of the words explained there
   std::string note;
 };
+
+const std::string& discQuantityName(DiscTest::Quantity quantity);  // "compression" ...
 
 struct Anatomy {
   std::vector<Vertebra> vertebrae;  // L5 .. C3, from below

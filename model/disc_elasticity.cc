@@ -32,11 +32,36 @@ Matrix3d skew(const Vector3d& v) {
   return m;
 }
 
-void add(Triplets* entries, int i, int j, const Matrix3d& block) {
-  for (int a = 0; a < 3; ++a) {
-    for (int b = 0; b < 3; ++b) entries->emplace_back(3 * i + a, 3 * j + b, block(a, b));
+// Sum of 3x3 blocks between nodes that share a cell.
+class BlockMatrix {
+ public:
+  explicit BlockMatrix(const Eigen::MatrixXi& pattern)
+      : pattern_(pattern), blocks_(pattern.maxCoeff() + 1, Matrix3d::Zero()) {}
+
+  void add(int i, int j, const Matrix3d& block) { blocks_[pattern_(i, j)] += block; }
+
+  SparseMatrix<double> sparse() const {
+    const int n = static_cast<int>(pattern_.rows());
+    SparseMatrix<double> matrix(3 * n, 3 * n);
+    matrix.reserve(static_cast<int>(9 * blocks_.size()));
+    for (int column = 0; column < 3 * n; ++column) {
+      matrix.startVec(column);
+      for (int i = 0; i < n; ++i) {
+        const int k = pattern_(i, column / 3);
+        if (k < 0) continue;
+        for (int a = 0; a < 3; ++a) {
+          matrix.insertBack(3 * i + a, column) = blocks_[k](a, column % 3);
+        }
+      }
+    }
+    matrix.finalize();
+    return matrix;
   }
-}
+
+ private:
+  const Eigen::MatrixXi& pattern_;
+  std::vector<Matrix3d> blocks_;
+};
 
 // Gradients of a tet's shape functions (4 x 3) [1/m], and its volume [m^3].
 Eigen::Matrix<double, 4, 3> gradients(const DiscMesh& mesh, const std::array<int, 4>& t,
@@ -93,13 +118,13 @@ struct FibreLaw {
 // Second derivative of the fibres' energy of one cell along one family: stress / s across the
 // fibre, slope along it.
 void addFibre(const DiscElasticity::Cell& cell, int family, const Vector3d& direction, double along,
-              double across, Triplets* entries) {
+              double across, BlockMatrix* sum) {
   const Matrix3d block = cell.volume * (across * Matrix3d::Identity() +
                                         (along - across) * direction * direction.transpose());
   for (size_t i = 0; i < cell.nodes.size(); ++i) {
     for (size_t j = 0; j < cell.nodes.size(); ++j) {
-      add(entries, cell.nodes[i], cell.nodes[j],
-          cell.fibres[i][family] * cell.fibres[j][family] * block);
+      sum->add(cell.nodes[i], cell.nodes[j],
+               cell.fibres[i][family] * cell.fibres[j][family] * block);
     }
   }
 }
@@ -201,6 +226,31 @@ void DiscElasticity::addCells(const DiscMesh& mesh) {
     }
   }
   if (cells[nucleus].nodes.empty()) cells.pop_back();
+
+  block_pattern.setConstant(n, n, -1);
+  int blocks = 0;
+  const auto couple = [&](int i, int j) {
+    if (block_pattern(i, j) < 0) block_pattern(i, j) = blocks++;
+  };
+  for (int k = 0; k < n; ++k) {
+    for (SparseMatrix<double>::InnerIterator it(laplacian, k); it; ++it) {
+      couple(static_cast<int>(it.row()), k);
+    }
+  }
+  for (const Cell& cell : cells) {
+    for (int i : cell.nodes) {
+      couple(i, cell.nodes[0]);
+      couple(cell.nodes[0], i);
+      for (int j : cell.nodes) {
+        if (!cell.nucleus) couple(i, j);
+      }
+    }
+    for (const auto& face : cell.faces) {
+      for (int i : face) {
+        for (int j : face) couple(cell.nodes[i], cell.nodes[j]);
+      }
+    }
+  }
 }
 
 double DiscElasticity::energy(const VectorXd& u, VectorXd* f, int terms) const {
@@ -248,11 +298,11 @@ DiscElasticity::Hessian DiscElasticity::hessian(const VectorXd& u, int terms) co
   const int n = static_cast<int>(rest.size()) / 3;
   const VectorXd x = rest + u;
   Hessian H = {SparseMatrix<double>(3 * n, 3 * n), VectorXd::Zero(3 * n), 0};
-  Triplets entries;
+  BlockMatrix sum(block_pattern);
   if (terms & kShear) {
     for (int k = 0; k < n; ++k) {
       for (SparseMatrix<double>::InnerIterator it(laplacian, k); it; ++it) {
-        add(&entries, static_cast<int>(it.row()), k, it.value() * Matrix3d::Identity());
+        sum.add(static_cast<int>(it.row()), k, it.value() * Matrix3d::Identity());
       }
     }
   }
@@ -269,7 +319,7 @@ DiscElasticity::Hessian DiscElasticity::hessian(const VectorXd& u, int terms) co
           continue;
         }
         for (size_t j = 0; j < g.size(); ++j) {
-          add(&entries, cell.nodes[i], cell.nodes[j], stiffness * g[i] * g[j].transpose());
+          sum.add(cell.nodes[i], cell.nodes[j], stiffness * g[i] * g[j].transpose());
         }
       }
       const int origin = cell.nodes[0];
@@ -282,10 +332,10 @@ DiscElasticity::Hessian DiscElasticity::hessian(const VectorXd& u, int terms) co
             const int other = cell.nodes[face[(k + 3 - step) % 3]];
             const Matrix3d block = (step == 1 ? -slope : slope) / 6 *
                                    skew(x.segment<3>(3 * other) - x.segment<3>(3 * origin));
-            add(&entries, i, j, block);
-            add(&entries, i, origin, -block);
-            add(&entries, origin, j, -block);
-            add(&entries, origin, origin, block);
+            sum.add(i, j, block);
+            sum.add(i, origin, -block);
+            sum.add(origin, j, -block);
+            sum.add(origin, origin, block);
           }
         }
       }
@@ -296,10 +346,10 @@ DiscElasticity::Hessian DiscElasticity::hessian(const VectorXd& u, int terms) co
       const double stretch = d.norm();
       if (stretch <= 1) continue;
       const FibreLaw law(material, stretch - 1);
-      addFibre(cell, k, d / stretch, law.slope, law.stress / stretch, &entries);
+      addFibre(cell, k, d / stretch, law.slope, law.stress / stretch, &sum);
     }
   }
-  H.sparse.setFromTriplets(entries.begin(), entries.end());
+  H.sparse = sum.sparse();
   return H;
 }
 
@@ -337,15 +387,13 @@ VectorXd DiscElasticity::freePart(const VectorXd& vector) const {
 void DiscElasticity::addMetric(const DiscMesh& mesh) {
   const int n = static_cast<int>(mesh.rest_positions.size());
   Hessian H = hessian(VectorXd::Zero(3 * n), kShear | kVolume);
-  Triplets entries;
+  BlockMatrix fibres(block_pattern);
   for (const Cell& cell : cells) {
     for (int k = 0; k < 2 && !cell.fibres.empty(); ++k) {
-      addFibre(cell, k, cell.at_rest[k], kMetricFibres * material.fibre_modulus, 0, &entries);
+      addFibre(cell, k, cell.at_rest[k], kMetricFibres * material.fibre_modulus, 0, &fibres);
     }
   }
-  SparseMatrix<double> fibres(3 * n, 3 * n);
-  fibres.setFromTriplets(entries.begin(), entries.end());
-  H.sparse += fibres;
+  H.sparse += fibres.sparse();
   metric = freePart(H.sparse);
   nucleus_gradient = H.nucleus_gradient;
   nucleus_stiffness = H.nucleus_stiffness;

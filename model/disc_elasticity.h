@@ -60,6 +60,7 @@ struct DiscElasticity {
   DiscMaterial material;
   Eigen::VectorXd rest;                   // (3 nnode) positions [m]
   std::vector<Cell> cells;                // the nucleus, if any, is the last one
+  Eigen::MatrixXi block_pattern;          // (nnode)^2 number of the Hessian's block, or -1
   Eigen::SparseMatrix<double> laplacian;  // (nnode)^2 sum of V mu grad N_i . grad N_j [N/m]
   std::vector<int> free_nodes;            // nodes attached to no bone, increasing
   std::vector<int> free_index;            // (node) place in free_nodes, -1 if attached

@@ -9,6 +9,8 @@ namespace torso::tools {
 // stderr, and throws Error if it cannot do what was asked.
 void addBench(CLI::App& app);
 void addBuild(CLI::App& app);
+void addCalibrateDiscs(CLI::App& app);
+void addDiscs(CLI::App& app);
 void addGraft(CLI::App& app);
 void addInfo(CLI::App& app);
 void addRender(CLI::App& app);

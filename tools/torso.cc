@@ -31,6 +31,8 @@ int main(int argc, char** argv) {
   addRender(app);
   addBench(app);
   addGraft(app);
+  addDiscs(app);
+  addCalibrateDiscs(app);
 
   int status = 0;
   std::string failure;
