@@ -252,8 +252,13 @@ Json compare(const Options& options) {
   std::vector<Result> results(cases.size() * nrate);
   std::atomic<std::size_t> next = 0, done = 0;
   const auto work = [&] {
-    for (std::size_t i; (i = next++) < results.size(); done++) {
-      results[i] = cases[i / nrate].run(options.rates[i % nrate]);
+    try {
+      for (std::size_t i; (i = next++) < results.size(); done++) {
+        results[i] = cases[i / nrate].run(options.rates[i % nrate]);
+      }
+    } catch (...) {
+      next = results.size();  // the other workers need not go on
+      throw;
     }
   };
   std::vector<std::future<void>> workers;
