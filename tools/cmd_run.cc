@@ -1,6 +1,5 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -19,6 +18,7 @@
 #include "tools/files.h"
 #include "tools/mujoco_support.h"
 #include "tools/picture_options.h"
+#include "tools/progress.h"
 #include "tools/renderer.h"
 #include "tools/rollout.h"
 #include "tools/vtu.h"
@@ -79,13 +79,6 @@ class TimeSeries {
   std::string text_;
   std::vector<mjtNum> momentum_;  // generalised
 };
-
-void showProgress(double share) {
-  constexpr int kWidth = 40;
-  const int filled = static_cast<int>(share * kWidth);
-  std::cerr << fmt::format("\r[{:<{}}] {:3.0f} %", std::string(filled, '='), kWidth, 100 * share)
-            << std::flush;
-}
 
 Json place(const mjModel* m, const Extreme& extreme, const char* kind) {
   if (extreme.id < 0) return nullptr;
@@ -264,11 +257,10 @@ void run(Options options) {
                          times});
   }
 
-  const bool progress = isatty(STDERR_FILENO);
   std::signal(SIGINT, onInterrupt);
   const RolloutSummary summary =
-      rollout(m.get(), options.rollout, observers, progress ? showProgress : nullptr, interrupted);
-  if (progress) std::cerr << "\r\033[K";
+      rollout(m.get(), options.rollout, observers, showProgress, interrupted);
+  endProgress();
 
   const Json json = describe(m.get(), summary, torso.ndisc);
   if (options.json) {

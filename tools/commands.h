@@ -15,6 +15,7 @@ void addGraft(CLI::App& app);
 void addInfo(CLI::App& app);
 void addRender(CLI::App& app);
 void addRun(CLI::App& app);
+void addTimestep(CLI::App& app);
 void addView(CLI::App& app);
 
 }  // namespace torso::tools

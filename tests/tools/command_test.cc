@@ -35,7 +35,7 @@ int lines(const std::string& text) { return std::count(text.begin(), text.end(),
 
 TEST_F(Command, HelpExplainsAndExitsWithZero) {
   const std::string help = run("--help").out;
-  for (const std::string name : {"build", "info", "run", "view", "render", "bench"}) {
+  for (const std::string name : {"build", "info", "run", "view", "render", "bench", "timestep"}) {
     EXPECT_NE(help.find(name), std::string::npos);
     const Result result = run(name + " --help");
     EXPECT_EQ(result.status, 0);
@@ -45,16 +45,27 @@ TEST_F(Command, HelpExplainsAndExitsWithZero) {
 }
 
 TEST_F(Command, WrongUsageExitsWithTwo) {
-  for (const std::string arguments :
-       {"", "frobnicate", "info", "run x.xml --seeds 0", "run x.xml --control wild",
-        "run x.xml --seconds fast", "render x.xml", "render x.xml -o a.png --layers hair",
-        "render x.xml -o a.png --discs colour", "render x.xml -o a.png --discs-range 0:1",
-        "render x.xml -o a.png --discs mises --discs-range 1:1",
-        "render x.xml -o a.png --discs mises --discs-range 0:1x",
-        "render x.xml -o a.png --discs mises --discs-range 0:nan",
-        "render x.xml -o a.png --discs-cut", "run x.xml --vtu-at 0",
-        "run x.xml --vtu v --vtu-at -1", "run x.xml --vtu v --vtu-every 0",
-        "run x.xml --vtu v --vtu-every 1 --vtu-at 0"}) {
+  for (const std::string arguments : {"",
+                                      "frobnicate",
+                                      "info",
+                                      "run x.xml --seeds 0",
+                                      "run x.xml --control wild",
+                                      "run x.xml --seconds fast",
+                                      "render x.xml",
+                                      "render x.xml -o a.png --layers hair",
+                                      "render x.xml -o a.png --discs colour",
+                                      "render x.xml -o a.png --discs-range 0:1",
+                                      "render x.xml -o a.png --discs mises --discs-range 1:1",
+                                      "render x.xml -o a.png --discs mises --discs-range 0:1x",
+                                      "render x.xml -o a.png --discs mises --discs-range 0:nan",
+                                      "render x.xml -o a.png --discs-cut",
+                                      "run x.xml --vtu-at 0",
+                                      "run x.xml --vtu v --vtu-at -1",
+                                      "run x.xml --vtu v --vtu-every 0",
+                                      "run x.xml --vtu v --vtu-every 1 --vtu-at 0",
+                                      "timestep --rates 10",
+                                      "timestep --rates fast",
+                                      "timestep --seconds 0"}) {
     const Result result = run(arguments);
     EXPECT_EQ(result.status, 2) << arguments;
     EXPECT_EQ(result.out, "") << arguments;
