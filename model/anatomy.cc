@@ -138,6 +138,11 @@ DiscTest readDiscTest(const CsvTable& t, int i) {
 
 const std::string& regionName(Region region) { return kRegionNames[static_cast<int>(region)]; }
 
+bool insideRange(const DiscTest& test, double value) {
+  constexpr double kMargin = 1e-3;
+  return value >= test.low * (1 - kMargin) && value <= test.high * (1 + kMargin);
+}
+
 const std::string& discQuantityName(DiscTest::Quantity quantity) {
   return kDiscQuantityNames[static_cast<int>(quantity)];
 }

@@ -136,6 +136,9 @@ struct DiscTest {
   std::string note;
 };
 
+// True if a value is in the test's range, or out of it by no more than the thousandth that the fit
+// leaves.
+bool insideRange(const DiscTest& test, double value);
 const std::string& discQuantityName(DiscTest::Quantity quantity);  // "compression" ...
 
 struct Anatomy {

@@ -203,7 +203,7 @@ void DiscBatch::Impl::restartAfterTeleport(const Group& group, int lane, const d
 // forces and pressure up to date. Returns false if no lane needed it.
 bool DiscBatch::Impl::shorten(const Group& group, const Scratch& s, const float* before,
                               Lanes* lanes, float* factor, float* pressure) const {
-  constexpr float kOvershoot = 0.7f;  // force left, relative to that before, that is put up with
+  constexpr float kOvershoot = 0.8f;  // force left, relative to that before, that is put up with
   const DiscKernels& kernels = *kernelsInUse().load(std::memory_order_relaxed);
   const DiscGroupView& view = group.data.view();
   alignas(64) float after[kLanes], back[kLanes] = {};
@@ -266,7 +266,7 @@ bool DiscBatch::Impl::wrongWrench(const Group& group, int lane, const float* wre
 // its shape and wrench, so that a disc's answer does not depend on its neighbours in the group.
 int DiscBatch::Impl::iterate(const Group& group, const Options& options, const Scratch& s,
                              Lanes* lanes) const {
-  constexpr int kMostShortenings = 3;
+  constexpr int kMostShortenings = 2;
   const DiscKernels& kernels = *kernelsInUse().load(std::memory_order_relaxed);
   const DiscGroupView& view = group.data.view();
   const int nlane = static_cast<int>(group.discs.size());

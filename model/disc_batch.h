@@ -35,8 +35,8 @@ class DiscBatch {
     // An iteration is repeated, `max_iterations` at most, while it asks a free node to move by more
     // than `tolerance` times the disc's height along an axis, or corrects the wrench by more than
     // `wrench_tolerance` of itself: what it leaves to correct is a fraction of that.
-    double tolerance = 0.02;
-    double wrench_tolerance = 0.01;
+    double tolerance = 0.04;
+    double wrench_tolerance = 0.015;
     int max_iterations = 8;
   };
 

@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Quantity = DiscTest::Quantity;
 
-constexpr double kInsideWeight = 0.25, kOutsideWeight = 4;
+constexpr double kInsideWeight = 0.25, kOutsideWeight = 20;
 
 // What a disc gives in a test, or a tenth of the lower bound if it gives way: that a disc finds no
 // equilibrium happens where it is far too soft.

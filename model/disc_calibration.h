@@ -29,7 +29,7 @@ struct DiscCalibration {
 
 // Least squares over all `tests` on all `discs`, from `start`, whose constants that are not fitted
 // stay. With r the logarithm of ours over the published value, in half widths of the published
-// range's logarithm: each test and disc gives a residual r / 4, and one of 4 (|r| - 1) outside of
+// range's logarithm: each test and disc gives a residual r / 4, and one of 20 (|r| - 1) outside of
 // the range, measured from the bound; each fitted constant gives log(constant / typical) / log 4.
 // Deterministic, whatever the number of threads. Loss factors, which do not depend on the fitted
 // constants, and preload ratios, of which there is no publication for human discs alone, are left

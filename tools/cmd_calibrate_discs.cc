@@ -30,6 +30,7 @@ const char kTable[] = "disc_materials.csv";
 
 struct Options {
   std::string folder;
+  std::vector<std::string> levels;
   bool json = false;
 };
 
@@ -112,7 +113,9 @@ std::string rewritten(const std::string& path, const std::vector<DiscFit>& fits)
     } else {
       for (std::size_t i = 0; i < cells.size() && i < header.size(); i++) {
         for (const FittedConstant& constant : fittedConstants()) {
-          if (header[i] == constant.name) cells[i] = tableText(constant, materials.at(cells[0]));
+          if (header[i] == constant.name && materials.count(cells[0])) {
+            cells[i] = tableText(constant, materials.at(cells[0]));
+          }
         }
       }
     }
@@ -160,13 +163,18 @@ void calibrate(const Options& options) {
   const std::string folder = options.folder.empty() ? tables : options.folder;
   makeFolder(folder);
   const int threads = static_cast<int>(std::thread::hardware_concurrency());
-  std::vector<DiscFit> fits(anatomy.discs.size());
+  std::vector<Disc> discs;
+  for (const std::string& level : options.levels) {
+    for (const Disc& disc : chooseDiscs(anatomy, level)) discs.push_back(disc);
+  }
+  if (options.levels.empty()) discs = anatomy.discs;
+  std::vector<DiscFit> fits(discs.size());
   {
     const ProgressBar bar;
     std::mutex mutex;
     int done = 0;
     forEach(static_cast<int>(fits.size()), threads, [&](int i) {
-      fits[i] = fitDisc(anatomy, anatomy.discs[i]);
+      fits[i] = fitDisc(anatomy, discs[i]);
       const std::lock_guard<std::mutex> lock(mutex);
       bar.show(++done / static_cast<double>(fits.size()));
     });
@@ -197,9 +205,11 @@ void addCalibrateDiscs(CLI::App& app) {
       "table after `torso build`.\n\n"
       "Examples:\n"
       "  torso calibrate-discs\n"
+      "  torso calibrate-discs --level L4/L5 L5/S1\n"
       "  torso calibrate-discs --out out --json");
   command->add_option("--out", options->folder,
                       "Write disc_materials.csv into this folder; by default the anatomy's own");
+  command->add_option("--level", options->levels, "Only these discs, e.g. L4/L5; by default all");
   command->add_flag("--json", options->json, "Print JSON");
   command->callback([options] { calibrate(*options); });
 }

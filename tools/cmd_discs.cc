@@ -29,17 +29,6 @@ struct Options {
   bool all = false, json = false;
 };
 
-std::vector<Disc> chooseDiscs(const Anatomy& anatomy, const std::string& level) {
-  std::vector<Disc> chosen;
-  std::string names;
-  for (const Disc& disc : anatomy.discs) {
-    if (level.empty() || disc.name == level) chosen.push_back(disc);
-    names += (names.empty() ? "" : ", ") + disc.name;
-  }
-  if (chosen.empty()) throw Error(fmt::format("{}: no such disc; there are {}", level, names));
-  return chosen;
-}
-
 // ---- JSON ----
 
 Json matrixJson(const Matrix6d& matrix) {

@@ -1,6 +1,8 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "tools/disc_report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -57,7 +59,10 @@ DiscReport benchDisc(const Disc& disc, const std::vector<DiscTest>& tests, bool 
   report.area = upperEndplateArea(mesh);
   const DiscBench bench(mesh, disc.material);
   for (const DiscTest& test : tests) {
-    if (!test.fit && !all_tests) continue;
+    const bool stands_in = std::none_of(tests.begin(), tests.end(), [&](const DiscTest& other) {
+      return other.fit && other.quantity == test.quantity;
+    });
+    if (!test.fit && !stands_in && !all_tests) continue;
     DiscOutcome outcome = {test, std::nullopt};
     try {
       outcome.ours = simulateDiscTest(bench, disc.retardation_time, test);
@@ -84,6 +89,17 @@ DiscUnits discUnits(Quantity quantity) {
   if (quantity <= Quantity::kAxialTorsion) return {"Nm/deg", "Nm", "deg", 1 / kDeg, kDeg};
   if (quantity == Quantity::kPressure) return {"MPa", "N", "mm", 1e6, 1e-3};
   return {"-", "N", "mm", 1, 1e-3};
+}
+
+std::vector<Disc> chooseDiscs(const Anatomy& anatomy, const std::string& level) {
+  std::vector<Disc> chosen;
+  std::string names;
+  for (const Disc& disc : anatomy.discs) {
+    if (level.empty() || disc.name == level) chosen.push_back(disc);
+    names += (names.empty() ? "" : ", ") + disc.name;
+  }
+  if (chosen.empty()) throw Error(fmt::format("{}: no such disc; there are {}", level, names));
+  return chosen;
 }
 
 std::vector<DiscReport> benchDiscs(const Anatomy& anatomy, const std::vector<Disc>& discs,

@@ -13,10 +13,13 @@
 
 namespace torso::tools {
 
+// The disc called `level`, or all if that is empty. Throws Error with the names that there are.
+std::vector<Disc> chooseDiscs(const Anatomy& anatomy, const std::string& level);
+
 struct DiscOutcome {
   DiscTest test;
   std::optional<double> ours;  // SI, as DiscTest::value; none if the disc gives way under the load
-  bool inside() const { return ours && test.low <= *ours && *ours <= test.high; }
+  bool inside() const { return ours && insideRange(test, *ours); }
 };
 
 struct DiscLoading {
@@ -41,7 +44,8 @@ struct DiscUnits {
 };
 DiscUnits discUnits(DiscTest::Quantity quantity);
 
-// Tests of discs alone of the disc's region: the rows to fit, or all of them. Curves are made if
+// Tests of discs alone of the disc's region: the rows to fit, those of quantities that have none,
+// or all of them. Curves are made if
 // asked for: of each loading, up to the largest load of the region's tests that is not beyond twice
 // that of the row to fit. The axial preload of the second matrix is `preload` [N] on L4/L5 and the
 // same mean stress elsewhere. progress (share done, 0 to 1) may be empty. Throws Error.

@@ -35,7 +35,8 @@ int lines(const std::string& text) { return std::count(text.begin(), text.end(),
 
 TEST_F(Command, HelpExplainsAndExitsWithZero) {
   const std::string help = run("--help").out;
-  for (const std::string name : {"build", "info", "run", "view", "render", "bench", "timestep"}) {
+  for (const std::string name : {"build", "info", "run", "view", "render", "bench", "timestep",
+                                 "discs", "calibrate-discs"}) {
     EXPECT_NE(help.find(name), std::string::npos);
     const Result result = run(name + " --help");
     EXPECT_EQ(result.status, 0);
@@ -303,6 +304,37 @@ TEST_F(Command, RunWritesFrames) {
   }
   EXPECT_NE(readFile(folder_ / "frames/seed0_000000ms.png"),
             readFile(folder_ / "frames/seed0_000500ms.png"));
+}
+
+TEST_F(Command, DiscsComparesADiscWithPublishedTests) {
+  const Result result = run("discs --level L4/L5 --json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto discs = nlohmann::json::parse(result.out)["discs"];
+  ASSERT_EQ(discs.size(), 1u);
+  EXPECT_EQ(discs[0]["name"], "L4/L5");
+  int compression = 0;
+  for (const auto& test : discs[0]["tests"]) {
+    EXPECT_FALSE(test["source"].get<std::string>().empty());
+    if (test["quantity"] != "compression") continue;
+    EXPECT_GT(test["ours"], 200);  // N/mm
+    EXPECT_LT(test["ours"], 4000);
+    compression++;
+  }
+  EXPECT_EQ(compression, 1);
+  const Result table = run("discs --level L4/L5");
+  for (const char* word : {"compression", "axial_torsion", "N/mm", "pressure", "Markolf 1972"}) {
+    EXPECT_NE(table.out.find(word), std::string::npos) << table.out;
+  }
+}
+
+TEST_F(Command, DiscsNamesTheLevelsThereAre) {
+  for (const std::string command : {"discs", "calibrate-discs"}) {
+    const Result result = run(command + " --level L6/S1");
+    EXPECT_EQ(result.status, 1);
+    EXPECT_EQ(result.out, "");
+    EXPECT_NE(result.err.find("L6/S1: no such disc; there are L5/S1, L4/L5"), std::string::npos)
+        << result.err;
+  }
 }
 
 TEST_F(Command, ViewSaysWhatIsMissing) {
