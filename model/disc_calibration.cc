@@ -118,7 +118,7 @@ const std::vector<FittedConstant>& fittedConstants() {
       {"annulus_modulus_mpa", 1e6, &DiscMaterial::annulus_modulus, 2.5e6, 0.2e6, 10e6},
       {"annulus_poissons_ratio", 1, &DiscMaterial::annulus_poisson, 0.42, 0.35, 0.48},
       {"fibre_modulus_mpa", 1e6, &DiscMaterial::fibre_modulus, 10e6, 1e6, 100e6},
-      {"fibre_stiffening", 1, &DiscMaterial::fibre_stiffening, 10, 0.5, 200},
+      {"fibre_stiffening", 1, &DiscMaterial::fibre_stiffening, 10, 0.5, 25},
       {"nucleus_modulus_mpa", 1e6, &DiscMaterial::nucleus_modulus, 0.3e6, 0.02e6, 2e6},
   };
   return constants;

@@ -261,7 +261,7 @@ TEST_F(DamagedAnatomyTest, DiscTooFew) {
 }
 
 TEST_F(DamagedAnatomyTest, DiscTestThatCannotBe) {
-  const std::string row = "cervical,compression,disc,73.6,0,492,246,738,N/mm,1,";
+  const std::string row = "cervical,compression,disc,73.6,0,492,246,984,N/mm,1,";
   const std::pair<std::string, std::string> damages[] = {
       {"sacral,compression,disc,73.6,0,492,246,738,N/mm,1,",
        ": column 'region' holds 'sacral', which is none of lumbar, thoracic, cervical"},
@@ -295,7 +295,7 @@ TEST_F(DamagedAnatomyTest, DiscTestThatCannotBe) {
 }
 
 TEST_F(DamagedAnatomyTest, DiscTestWithoutPublishedBoundsIsUnbounded) {
-  copy.replace("disc_tests.csv", "cervical,compression,disc,73.6,0,492,246,738,N/mm,1,",
+  copy.replace("disc_tests.csv", "cervical,compression,disc,73.6,0,492,246,984,N/mm,1,",
                "cervical,compression,disc,73.6,0,492,,,N/mm,0,");
   for (const DiscTest& test : Anatomy::load(copy.folder()).disc_tests) {
     EXPECT_LE(test.low, test.value);
