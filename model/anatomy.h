@@ -53,8 +53,8 @@ struct Disc {
   std::string name;          // "L5/S1" .. "C2/C3"
   std::string lower, upper;  // names of the bones' levels: "S1", "L5" .. "C2"
   DiscShape shape;
-  Region region;            // of the upper bone
-  DiscMaterial material;    // of the region
+  Region region;  // of the upper bone
+  DiscMaterial material;
   double retardation_time;  // viscous over elastic stiffness [s]
   Eigen::Isometry3d frame;  // of the disc at rest, in the standing body
 };

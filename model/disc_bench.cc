@@ -290,6 +290,8 @@ DiscCurve loadDisc(DiscBench bench, const DiscProtocol& protocol, double load, d
   return curve;
 }
 
+namespace {
+
 double meanPreloadRatio(const DiscBench& bench, double preload) {
   DiscBench loaded = bench;
   loaded.setLoad(-preload * Vector6d::Unit(2));
@@ -297,6 +299,8 @@ double meanPreloadRatio(const DiscBench& bench, double preload) {
   const Vector6d after = stiffnessMatrix(loaded).diagonal();
   return (after.array() / before.array()).mean();
 }
+
+}  // namespace
 
 double simulateDiscTest(const DiscBench& bench, double retardation_time, const DiscTest& test) {
   if (test.quantity == Quantity::kLossFactor) return 2 * M_PI * retardation_time;
