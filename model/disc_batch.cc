@@ -47,6 +47,9 @@ constexpr int kPoseSize = 6, kWrench = 6, kPressure = 12, kSettled = 13, kHeader
 // Where the endplates move by more than this share of the disc's height relative to each other, a
 // full correction can overshoot and is checked, as it is where it is not the last.
 constexpr double kLargeStrain = 0.2;
+// But for corrections that move no node by more than this share of the height: an overshoot of that
+// size does no harm.
+constexpr double kSmallChange = 4e-3;
 // From this iteration on the present response of the nucleus is used, as it is where that at rest
 // led uphill.
 constexpr int kExactIteration = 4;
@@ -58,9 +61,6 @@ constexpr double kLargestChange = 0.5;
 // Corrections of the wrench below this share of what it takes to crush the disc (its bound
 // stiffness times its height) are left: rounding errors.
 constexpr double kSmallWrench = 1e-6;
-// It is checked unless it moves no node by more than this share of the disc's height: an overshoot
-// of that size does no harm.
-constexpr double kSmallChange = 4e-3;
 // A correction below this share of the disc's height says that the shape has settled: it changes
 // the wrench by less than 1e-5 of itself.
 constexpr double kSettledChange = 1e-6;
@@ -224,8 +224,8 @@ bool DiscBatch::Impl::shorten(const Group& group, const Scratch& s, const float*
   return true;
 }
 
-// The nucleus' response to its pressure. That at rest serves, but for lanes that have been deformed
-// much or do not converge at once.
+// The nucleus' response to its pressure. That at rest serves, but for lanes in which it led uphill
+// and where iterations go on.
 const float* DiscBatch::Impl::nucleusResponse(const Group& group, const Scratch& s,
                                               const Lanes& lanes, int iterations) const {
   const DiscKernels& kernels = *kernelsInUse().load(std::memory_order_relaxed);

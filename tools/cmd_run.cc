@@ -18,7 +18,7 @@
 #include "tools/files.h"
 #include "tools/mujoco_support.h"
 #include "tools/picture_options.h"
-#include "tools/progress.h"
+#include "tools/progress_bar.h"
 #include "tools/renderer.h"
 #include "tools/rollout.h"
 #include "tools/vtu.h"
@@ -258,9 +258,11 @@ void run(Options options) {
   }
 
   std::signal(SIGINT, onInterrupt);
-  const RolloutSummary summary =
-      rollout(m.get(), options.rollout, observers, showProgress, interrupted);
-  endProgress();
+  const RolloutSummary summary = [&] {
+    const ProgressBar bar;
+    const auto show = [&bar](double share) { bar.show(share); };
+    return rollout(m.get(), options.rollout, observers, show, interrupted);
+  }();
 
   const Json json = describe(m.get(), summary, torso.ndisc);
   if (options.json) {

@@ -17,7 +17,7 @@
 #include "tools/error.h"
 #include "tools/mujoco_support.h"
 #include "tools/paths.h"
-#include "tools/progress.h"
+#include "tools/progress_bar.h"
 #include "tools/rollout.h"
 
 namespace torso::tools {
@@ -263,12 +263,14 @@ Json compare(const Options& options) {
   };
   std::vector<std::future<void>> workers;
   for (int i = 0; i < options.threads; i++) workers.push_back(std::async(std::launch::async, work));
-  for (auto& worker : workers) {
-    while (worker.wait_for(std::chrono::milliseconds(200)) != std::future_status::ready) {
-      showProgress(static_cast<double>(done) / results.size());
+  {
+    const ProgressBar bar;
+    for (auto& worker : workers) {
+      while (worker.wait_for(std::chrono::milliseconds(200)) != std::future_status::ready) {
+        bar.show(static_cast<double>(done) / results.size());
+      }
     }
   }
-  endProgress();
   for (auto& worker : workers) worker.get();
 
   Json quantities = Json::array();
