@@ -15,6 +15,7 @@
 #include "tools/error.h"
 #include "tools/mujoco_support.h"
 #include "tools/paths.h"
+#include "tools/renderer.h"
 #include "tools/rollout.h"
 #include "tools/step_cost.h"
 
@@ -71,6 +72,35 @@ double median(std::vector<double> values) {
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2) return *middle;
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
+}
+
+// What the viewer's user waits for: the file, and a frame of its window.
+Json viewing(const std::string& path, int repetitions) {
+  constexpr int kWidth = 1280, kHeight = 960, kSamples = 4;  // samples: as `simulate` asks for
+  std::vector<double> load, frame;
+  ModelPtr m;
+  for (int i = 0; i <= repetitions; i++) {
+    const double start = wallSeconds();
+    m = loadModel(path);
+    if (i > 0) load.push_back(wallSeconds() - start);
+  }
+  m->vis.quality.offsamples = kSamples;
+  const DataPtr d = makeData(m.get());
+  mj_forward(m.get(), d.get());
+  mjvOption option;
+  mjv_defaultOption(&option);
+  Renderer renderer(m.get(), kWidth, kHeight);
+  const mjvCamera camera =
+      frameBodies(m.get(), {d.get()}, option, kDefaultAzimuth, kDefaultElevation, 4.0 / 3);
+  for (int i = 0; i <= repetitions; i++) {
+    const double start = wallSeconds();
+    renderer.pixels(d.get(), option, camera);
+    if (i > 0) frame.push_back(1e3 * (wallSeconds() - start));
+  }
+  return {{"load_s", median(load)},
+          {"frame_ms", median(frame)},
+          {"frame_pixels", {kWidth, kHeight}},
+          {"frame_driver", renderer.driver()}};
 }
 
 // Median of each part, and what a step costs beyond them.
@@ -141,7 +171,8 @@ Json bench(const Options& options) {
           {"rtf_600hz", 1e6 / 600 / us600},
           {"rtf_200hz", 1e6 / 200 / us200},
           {"ratio_to_fixed_torso", fixed ? Json(median(ratio)) : Json()},
-          {"threads_2_speedup", median(speedup)}};
+          {"threads_2_speedup", median(speedup)},
+          {"viewing", viewing(path, options.repetitions)}};
 }
 
 void print(const Json& j) {
@@ -164,6 +195,10 @@ void print(const Json& j) {
       j["fixed_model"].is_null() ? "not measured: there is no model with a fixed torso"
                                  : fmt::format("{:.1f} x", number("ratio_to_fixed_torso")));
   row("speed of 2 threads to that of 1", fmt::format("{:.2f} x", number("threads_2_speedup")));
+  const Json& viewing = j["viewing"];
+  row("mj_loadXML [s]", fmt::format("{:.2f}", viewing["load_s"].get<double>()));
+  row("a frame of 1280 x 960 [ms]", fmt::format("{:.0f}, by {}", viewing["frame_ms"].get<double>(),
+                                                viewing["frame_driver"].get<std::string>()));
 }
 
 }  // namespace
@@ -179,7 +214,7 @@ void addBench(CLI::App& app) {
       "plugin's mjcb_passive: its disc solver, and the rest. 'other' is what the parts leave of "
       "the\n"
       "step; it may be below zero by the noise. threads_2_speedup is wall time: it needs two idle\n"
-      "cores.\n\n"
+      "cores. The frame is one of the viewer's: the whole body, 4 samples a pixel, shadows.\n\n"
       "Examples:\n"
       "  torso bench\n"
       "  torso bench mjcf/human.xml --repetitions 15 --json");

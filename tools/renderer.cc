@@ -3,6 +3,7 @@
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
+#include <GL/gl.h>
 #include <fmt/format.h>
 #include <png.h>
 
@@ -107,7 +108,7 @@ Renderer::Renderer(mjModel* m, int width, int height, std::optional<DiscColours>
 
 Renderer::~Renderer() = default;
 
-std::string Renderer::png(mjData* d, const mjvOption& option, mjvCamera camera) {
+std::vector<unsigned char> Renderer::pixels(mjData* d, const mjvOption& option, mjvCamera camera) {
   const mjModel* m = m_;
   std::optional<DiscSkin> discs;
   if (discs_) {
@@ -125,7 +126,15 @@ std::string Renderer::png(mjData* d, const mjvOption& option, mjvCamera camera) 
   if (discs_) drawLegend(*discs_, viewport, stage_->gl);
   std::vector<unsigned char> rgb(std::size_t{3} * width_ * height_);
   mjr_readPixels(rgb.data(), nullptr, viewport, &stage_->gl);
+  return rgb;
+}
 
+std::string Renderer::driver() const {
+  return reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+}
+
+std::string Renderer::png(mjData* d, const mjvOption& option, mjvCamera camera) {
+  const std::vector<unsigned char> rgb = pixels(d, option, camera);
   png_image image = {};
   image.version = PNG_IMAGE_VERSION;
   image.width = width_;

@@ -23,8 +23,12 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  // PNG file content of the state in d, for which mj_forward was called.
+  // The state in d, for which mj_forward was called: rows from below, 3 bytes (RGB) a pixel.
+  std::vector<unsigned char> pixels(mjData* d, const mjvOption& option, mjvCamera camera);
+  // The same as the content of a PNG file.
   std::string png(mjData* d, const mjvOption& option, mjvCamera camera);
+  // What draws, in OpenGL's words: a graphics card, or "llvmpipe (...)" for software.
+  std::string driver() const;
 
  private:
   struct Context;
