@@ -6,6 +6,7 @@
 
 #include "model/disc_field.h"
 #include "plugin/facet_collider.h"
+#include "plugin/last_error.h"
 #include "plugin/mujoco_torso.h"
 #include "plugin/passive.h"
 #include "plugin/registry.h"
@@ -13,8 +14,6 @@
 
 namespace torso::plugin {
 namespace {
-
-thread_local std::string last_error;
 
 int copyText(const std::string& text, char* buffer, int size) {
   if (buffer && size > 0) {

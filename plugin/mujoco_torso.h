@@ -108,6 +108,87 @@ MJAPI mjtNum torso_facetViolation(const mjModel* m, const mjData* d, int facet);
 /* tension of the ligament segment that is tendon number tendonid [N]; 0 while it is slack */
 MJAPI mjtNum torso_ligamentTension(const mjModel* m, const mjData* d, int tendonid);
 
+/* ---- rollouts: for any model, with a torso or without ---- */
+
+/* Parts of a state vector; it holds those that are asked for, in this order. */
+typedef enum torsoState_ {
+  TORSO_STATE_PHYSICS = 1,   /* time (1) [s], qpos (nq), qvel (nv), act (na) */
+  TORSO_STATE_USERDATA = 2,  /* userdata (nuserdata), which holds the shapes of the discs */
+  TORSO_STATE_WARMSTART = 4, /* qacc_warmstart (nv), from which the constraint solver starts */
+  TORSO_STATE_FULL = 7       /* all: with its inputs, everything that the next mj_step depends on */
+} torsoState;
+
+/* number of entries of a state vector with the parts spec, an or of torsoState; -1 on error */
+MJAPI int torso_stateSize(const mjModel* m, int spec);
+/* copy these parts from d to state, or back; what is not asked for stays as it is */
+MJAPI int torso_getState(const mjModel* m, const mjData* d, mjtNum* state, int spec);
+MJAPI int torso_setState(const mjModel* m, mjData* d, const mjtNum* state, int spec);
+
+/* how a trajectory ended */
+typedef enum torsoStatus_ {
+  TORSO_OK = 0,         /* all of its steps were done */
+  TORSO_CANCELLED = 1,  /* the caller stopped it */
+  TORSO_NOT_FINITE = 2, /* a step led to a qpos, qvel or act that is not finite, or huge */
+  TORSO_ERROR = 3,      /* a callback or mju_user_error threw an exception */
+  TORSO_WARNING = 16 /* TORSO_WARNING + mjtWarning: MuJoCo warned, e.g. of a full contact table */
+} torsoStatus;
+
+/* what a status means: a static string */
+MJAPI const char* torso_statusText(int status);
+
+/* Called before a step, to set ctrl, xfrc_applied, mocap_pos or any other input in d. */
+typedef void (*torsofInput)(const mjModel* m, mjData* d, int trajectory, int step, void* user);
+/* Cost of a step, called after it: d is as mj_step leaves it, see sensordata below. May compute
+ * what it needs in d (mj_subtreeVel), but not change the state. */
+typedef mjtNum (*torsofCost)(const mjModel* m, mjData* d, int trajectory, int step, void* user);
+
+/* A batch of trajectories; arrays are the caller's, row-major. */
+typedef struct torsoRollout_ {
+  int ntrajectory;
+  int nstep; /* steps of each */
+
+  /* start: mj_resetData, then the parts initial_spec of initial_state (ninitial x stateSize). One
+   * row (ninitial = 1) is for all trajectories, else ninitial = ntrajectory. NULL: none. A start
+   * without userdata has its discs at rest, one without warm start starts the solver at zero. */
+  const mjtNum* initial_state;
+  int ninitial;
+  int initial_spec;
+
+  /* inputs; NULL: none, the controls are zero. input, if any, is called after control was set. */
+  const mjtNum* control; /* (ntrajectory x nstep x nu) */
+  torsofInput input;
+
+  /* results; NULL: not wanted. Rows of steps that a trajectory did not do are not written. */
+  mjtNum* state; /* after each step (ntrajectory x nstep x stateSize(state_spec)) */
+  int state_spec;
+  mjtNum* sensordata;  /* (ntrajectory x nstep x nsensordata). As after mj_step, it belongs to the
+                          state before the step; with RK4, to its last stage */
+  mjtNum* final_state; /* of each that ended TORSO_OK (ntrajectory x stateSize(TORSO_STATE_FULL)).
+                          As initial_state of another rollout it goes on with the same bits as one
+                          long rollout */
+  torsofCost step_cost;
+  mjtNum* cost; /* sum of step_cost over the steps done, in their order (ntrajectory) */
+  int* status;  /* (ntrajectory) torsoStatus */
+  int* steps;   /* steps done (ntrajectory) */
+
+  void* user;        /* for the callbacks, which any of the threads calls */
+  const int* cancel; /* set it to nonzero (atomically, from a callback, thread or signal handler) to
+                        cancel: each trajectory is then either done, or ends as TORSO_CANCELLED
+                        before its next step. NULL: never */
+} torsoRollout;
+
+/* zero sizes, no arrays and callbacks; the parts are TORSO_STATE_FULL at the start, and
+ * TORSO_STATE_PHYSICS for state */
+MJAPI void torso_defaultRollout(torsoRollout* r);
+
+/* Roll out all trajectories on nthread threads, the calling one included. d: nthread different
+ * mjData of this model, scratch. Every trajectory has the same bits whatever nthread is. One that
+ * fails ends early and does not touch the others. Returns the number of trajectories that did not
+ * end as TORSO_OK, or -1, with nothing done, if an argument is wrong or the torso's data are
+ * damaged (torso_lastError says what). Allocates for its threads only, not for trajectories and
+ * steps. If the system grants fewer threads, it makes do with those. */
+MJAPI int torso_rollout(const mjModel* m, mjData* const* d, int nthread, const torsoRollout* r);
+
 #ifdef __cplusplus
 }
 #endif

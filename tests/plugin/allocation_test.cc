@@ -83,5 +83,28 @@ TEST_F(AllocationTest, ReadOutAllocatesNothing) {
   EXPECT_EQ(allocations, before);
 }
 
+// On one thread: a rollout allocates for its other threads only.
+TEST_F(AllocationTest, RolloutsAllocateNothing) {
+  const ModelPtr m = loadModel("torso.xml");
+  const DataPtr d = makeData(m.get());
+  mjData* const data = d.get();
+  constexpr int kTrajectories = 5, kSteps = 3;
+  std::vector<mjtNum> full(kTrajectories * torso_stateSize(m.get(), TORSO_STATE_FULL));
+  std::vector<mjtNum> state(kTrajectories * kSteps * torso_stateSize(m.get(), TORSO_STATE_FULL));
+  std::vector<mjtNum> sensordata(kTrajectories * kSteps * m->nsensordata);
+  torsoRollout r;
+  torso_defaultRollout(&r);
+  r.ntrajectory = kTrajectories;
+  r.nstep = kSteps;
+  r.state = state.data();
+  r.state_spec = TORSO_STATE_FULL;
+  r.sensordata = sensordata.data();
+  r.final_state = full.data();
+  mj_step(m.get(), d.get());
+  const long before = allocations;
+  EXPECT_EQ(torso_rollout(m.get(), &data, 1, &r), 0);
+  EXPECT_EQ(allocations, before);
+}
+
 }  // namespace
 }  // namespace torso

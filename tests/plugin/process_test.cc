@@ -17,6 +17,7 @@ namespace torso {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 struct Output {
   int status;
@@ -132,6 +133,41 @@ TEST_F(ProcessTest, LinkedIntoTheReadmesProgram) {
   const Output missing = run(std::string(README_PROGRAM) + " /no/such/file.xml");
   EXPECT_EQ(missing.status, 1);
   EXPECT_THAT(missing.text, HasSubstr("/no/such/file.xml"));
+}
+
+// The examples in C and in Python: two ways through the same header to the same numbers.
+TEST_F(ProcessTest, RolloutExamplesInCAndPythonAgree) {
+  const std::string arguments = " " + heldTorso() + " ";
+  const Output in_c = run(ROLLOUT_PROGRAM + arguments + "3 20 2");
+  ASSERT_EQ(in_c.status, 0) << in_c.text;
+  EXPECT_THAT(in_c.text, HasSubstr("control 0.04: mean squared speed "));
+  EXPECT_THAT(in_c.text, Not(HasSubstr("nan")));
+  EXPECT_EQ(run(ROLLOUT_PROGRAM + arguments + "3 20 1").text, in_c.text);
+  if (std::string(PYTHON).find("NOTFOUND") != std::string::npos) {
+    GTEST_SKIP() << "python3 is not installed";
+  }
+  const std::string script = PYTHON " -B " ROLLOUT_SCRIPT " ";
+  const Output in_python =
+      run(script + PLUGIN_LIBRARY + arguments + "--trajectories 3 --steps 20 --threads 2");
+  EXPECT_EQ(in_python.status, 0);
+  EXPECT_EQ(in_python.text, in_c.text);
+}
+
+TEST_F(ProcessTest, RolloutExamplesSayWhatIsWrong) {
+  const Output in_c = run(std::string(ROLLOUT_PROGRAM) + " /no/such/file.xml");
+  EXPECT_EQ(in_c.status, 1);
+  EXPECT_THAT(in_c.text, HasSubstr("/no/such/file.xml"));
+  EXPECT_EQ(run(std::string(ROLLOUT_PROGRAM) + " " + heldTorso() + " 3 0").status, 1);
+  if (std::string(PYTHON).find("NOTFOUND") != std::string::npos) {
+    GTEST_SKIP() << "python3 is not installed";
+  }
+  const std::string script = PYTHON " -B " ROLLOUT_SCRIPT " " PLUGIN_LIBRARY " ";
+  const Output missing = run(script + "/no/such/file.xml");
+  EXPECT_EQ(missing.status, 1);
+  EXPECT_THAT(missing.text, HasSubstr("/no/such/file.xml"));
+  const Output wrong = run(script + heldTorso() + " --threads 0");
+  EXPECT_EQ(wrong.status, 1);
+  EXPECT_EQ(wrong.text, "nthread is 0, it must be at least 1\n");
 }
 
 }  // namespace
