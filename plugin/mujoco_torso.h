@@ -147,9 +147,10 @@ typedef struct torsoRollout_ {
   int ntrajectory;
   int nstep; /* steps of each */
 
-  /* start: mj_resetData, then the parts initial_spec of initial_state (ninitial x stateSize). One
-   * row (ninitial = 1) is for all trajectories, else ninitial = ntrajectory. NULL: none. A start
-   * without userdata has its discs at rest, one without warm start starts the solver at zero. */
+  /* start: as after mj_resetData, then the parts initial_spec of initial_state (ninitial x
+   * stateSize). One row (ninitial = 1) is for all trajectories, else ninitial = ntrajectory. NULL:
+   * none. A start without userdata has its discs at rest, one without warm start starts the solver
+   * at zero. */
   const mjtNum* initial_state;
   int ninitial;
   int initial_spec;
