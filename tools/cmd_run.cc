@@ -18,9 +18,13 @@
 #include "tools/files.h"
 #include "tools/mujoco_support.h"
 #include "tools/picture_options.h"
+#include "tools/processes.h"
 #include "tools/progress_bar.h"
+#include "tools/recorded_rollout.h"
 #include "tools/renderer.h"
 #include "tools/rollout.h"
+#include "tools/run_record.h"
+#include "tools/run_report.h"
 #include "tools/vtu.h"
 
 namespace torso::tools {
@@ -29,7 +33,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string model, keyframe, csv, render_folder, vtu_folder;
+  std::string model, keyframe, csv, render_folder, vtu_folder, results;
+  bool resume = false;
   RolloutOptions rollout;
   double timestep = 0;  // [s], 0: the model's
   double rate = 60;     // of the time series [1/s]
@@ -80,105 +85,6 @@ class TimeSeries {
   std::vector<mjtNum> momentum_;  // generalised
 };
 
-Json place(const mjModel* m, const Extreme& extreme, const char* kind) {
-  if (extreme.id < 0) return nullptr;
-  std::string name;
-  if (std::string(kind) == "tendon") {
-    name = nameOf(m, mjOBJ_TENDON, extreme.id);
-  } else {
-    const char* found = std::string(kind) == "disc" ? torso_discName(m, extreme.id)
-                                                    : torso_facetName(m, extreme.id);
-    name = found ? found : std::to_string(extreme.id);
-  }
-  return {{kind, name}, {"seed", extreme.seed}, {"time_s", extreme.time}};
-}
-
-Json describe(const mjModel* m, const RolloutSummary& s, int discs) {
-  const Extremes& e = s.extremes;
-  Json json = {{"runs", s.runs.size()},
-               {"failed", s.failed},
-               {"warnings", s.warnings},
-               {"dof", m->nv},
-               {"timestep_s", m->opt.timestep},
-               {"simulated_s", s.simulated_seconds},
-               {"core_s", s.core_seconds},
-               {"wall_s", s.wall_seconds},
-               {"real_time_factor", s.core_seconds > 0 ? s.simulated_seconds / s.core_seconds : 0},
-               {"active_constraints", s.mean_constraints},
-               {"bodies_on_floor", s.has_floor ? Json(s.on_floor) : Json()},
-               {"state_hash", fmt::format("{:016x}", s.state_hash)}};
-  if (discs > 0) {
-    json["max_disc_pressure_mpa"] = 1e-6 * e.max_disc_pressure.value;
-    json["min_disc_thickness_ratio"] = e.min_disc_thickness.value;
-    json["max_disc_thickness_ratio"] = e.max_disc_thickness.value;
-    json["min_disc_column_ratio"] = e.min_disc_column.value;
-    json["max_disc_column_ratio"] = e.max_disc_column.value;
-  } else {
-    for (const char* key :
-         {"max_disc_pressure_mpa", "min_disc_thickness_ratio", "max_disc_thickness_ratio",
-          "min_disc_column_ratio", "max_disc_column_ratio"}) {
-      json[key] = nullptr;
-    }
-  }
-  json["ligament_violation_mm"] = {{"p99", 1e3 * s.ligament_violation.quantile(0.99)},
-                                   {"max", 1e3 * e.max_ligament_violation.value}};
-  json["facet_violation_mm"] = {{"p99", 1e3 * s.facet_violation.quantile(0.99)},
-                                {"max", 1e3 * e.max_facet_violation.value}};
-  json["at"] = {{"max_disc_pressure", place(m, e.max_disc_pressure, "disc")},
-                {"min_disc_thickness", place(m, e.min_disc_thickness, "disc")},
-                {"max_disc_thickness", place(m, e.max_disc_thickness, "disc")},
-                {"min_disc_column", place(m, e.min_disc_column, "disc")},
-                {"max_disc_column", place(m, e.max_disc_column, "disc")},
-                {"max_ligament_violation", place(m, e.max_ligament_violation, "tendon")},
-                {"max_facet_violation", place(m, e.max_facet_violation, "facet")}};
-  Json failures = Json::array();
-  for (const RunResult& run : s.runs) {
-    if (!run.failure.empty()) failures.push_back({{"seed", run.seed}, {"what", run.failure}});
-  }
-  json["failures"] = failures;
-  return json;
-}
-
-// "0.93 (L4/L5, seed 3, 0.82 s)"
-std::string withPlace(double value, const Json& where) {
-  if (where.is_null()) return fmt::format("{:.3g}", value);
-  return fmt::format("{:.3g} ({}, seed {}, {:.2f} s)", value, where.begin()->get<std::string>(),
-                     where["seed"].dump(), where["time_s"].get<double>());
-}
-
-void print(const Json& j) {
-  const auto row = [](const char* name, const std::string& value) {
-    fmt::print("{:<36}{}\n", name, value);
-  };
-  const auto number = [&](const char* key) { return j[key].get<double>(); };
-  row("runs", fmt::format("{} ({} failed, {} warnings)", j["runs"].dump(), j["failed"].dump(),
-                          j["warnings"].dump()));
-  row("degrees of freedom", j["dof"].dump());
-  row("active constraints, mean", fmt::format("{:.0f}", number("active_constraints")));
-  row("simulated time [s]", fmt::format("{:.2f}, in steps of {:.3g} ms", number("simulated_s"),
-                                        1e3 * number("timestep_s")));
-  row("wall time [s]", fmt::format("{:.2f}", number("wall_s")));
-  row("real-time factor of one core", fmt::format("{:.2f}", number("real_time_factor")));
-  if (!j["bodies_on_floor"].is_null()) {
-    row("runs that end on the floor", fmt::format("{:.0f} %", 100 * number("bodies_on_floor")));
-  }
-  if (j["max_disc_pressure_mpa"].is_null()) return;
-  const Json& at = j["at"];
-  row("largest disc pressure [MPa]",
-      withPlace(number("max_disc_pressure_mpa"), at["max_disc_pressure"]));
-  row("disc thickness to that at rest, min",
-      withPlace(number("min_disc_thickness_ratio"), at["min_disc_thickness"]));
-  row("  max", withPlace(number("max_disc_thickness_ratio"), at["max_disc_thickness"]));
-  row("  min of any column", withPlace(number("min_disc_column_ratio"), at["min_disc_column"]));
-  row("  max of any column", withPlace(number("max_disc_column_ratio"), at["max_disc_column"]));
-  row("ligament violation [mm], 99 %",
-      fmt::format("{:.3g}", j["ligament_violation_mm"]["p99"].get<double>()));
-  row("  max", withPlace(j["ligament_violation_mm"]["max"], at["max_ligament_violation"]));
-  row("facet violation [mm], 99 %",
-      fmt::format("{:.3g}", j["facet_violation_mm"]["p99"].get<double>()));
-  row("  max", withPlace(j["facet_violation_mm"]["max"], at["max_facet_violation"]));
-}
-
 // The inside of the discs over a run: one file per instant as it comes, and at last what lists
 // them.
 class VtuFolder {
@@ -218,7 +124,15 @@ void writeFrames(const Options& options, mjModel* m, const std::vector<DataPtr>&
   }
 }
 
+// The same bytes however the runs were spread: without the times they took.
+std::string merged(const Json& settings, Json description) {
+  for (const char* time : {"core_s", "wall_s", "real_time_factor"}) description.erase(time);
+  return Json{{"settings", settings}, {"result", description}}.dump(2) + "\n";
+}
+
 void run(Options options) {
+  const Processes processes;
+  const bool first = processes.rank() == 0;  // the one that prints and watches seed0
   const ModelPtr m = loadModel(options.model);
   const torsoInfo torso = torsoOf(m.get(), options.model);
   options.rollout.keyframe = keyframeId(m.get(), options.keyframe, options.model);
@@ -228,12 +142,12 @@ void run(Options options) {
 
   std::vector<Observer> observers;
   TimeSeries series(m.get(), torso.ndisc);
-  if (!options.csv.empty()) {
+  if (first && !options.csv.empty()) {
     observers.push_back(
         {options.rate, [&](const mjModel* model, const mjData* d) { series.add(model, d); }});
   }
   std::vector<DataPtr> frames;
-  if (!options.render_folder.empty()) {
+  if (first && !options.render_folder.empty()) {
     observers.push_back({(options.frames - 1) / options.rollout.seconds,
                          [&](const mjModel* model, const mjData* d) {
                            frames.push_back(makeData(model));
@@ -242,7 +156,7 @@ void run(Options options) {
   }
 
   std::optional<VtuFolder> vtu_folder;
-  if (!options.vtu_folder.empty()) {
+  if (first && !options.vtu_folder.empty()) {
     if (torso.ndisc == 0) throw Error(options.model + ": the model has no discs to write");
     std::vector<double>& times = options.vtu_times;
     std::sort(times.begin(), times.end());
@@ -257,27 +171,43 @@ void run(Options options) {
                          times});
   }
 
-  std::signal(SIGINT, onInterrupt);
-  const RolloutSummary summary = [&] {
-    const ProgressBar bar;
-    const auto show = [&bar](double share) { bar.show(share); };
-    return rollout(m.get(), options.rollout, observers, show, interrupted);
-  }();
+  std::optional<RunFolder> folder;
+  Json settings;
+  if (!options.results.empty() || processes.size() > 1) {
+    settings = runSettings(m.get(), options.rollout);
+    if (!options.results.empty()) folder.emplace(options.results, settings, options.resume);
+  }
 
-  const Json json = describe(m.get(), summary, torso.ndisc);
+  std::signal(SIGINT, onInterrupt);
+  const std::optional<RolloutSummary> result = [&]() -> std::optional<RolloutSummary> {
+    std::optional<ProgressBar> bar;
+    if (first) bar.emplace();
+    const auto show = [&bar](double share) {
+      if (bar) bar->show(share);
+    };
+    if (settings.is_null()) return rollout(m.get(), options.rollout, observers, show, interrupted);
+    return recordedRollout(m.get(), options.rollout, settings, folder ? &*folder : nullptr,
+                           processes, observers, show, interrupted);
+  }();
+  processes.leave();
+  if (!result) return;
+  const RolloutSummary& summary = *result;
+
+  const Json json = describeRuns(m.get(), summary, torso.ndisc);
   if (options.json) {
     std::cout << json.dump(2) << std::endl;
   } else {
-    print(json);
+    printRuns(json);
     std::fflush(stdout);
   }
+  if (folder && !interrupted) writeFile(options.results + "/result.json", merged(settings, json));
   if (!options.csv.empty()) writeFile(options.csv, series.text());
   if (vtu_folder) vtu_folder->finish();
   if (!options.render_folder.empty()) writeFrames(options, m.get(), frames);
 
   if (interrupted) {
-    std::cerr << fmt::format("torso run: interrupted after {} of {} runs\n", summary.runs.size(),
-                             options.rollout.seeds);
+    std::cerr << fmt::format("torso run: interrupted after {} of {} runs{}\n", summary.runs.size(),
+                             options.rollout.seeds, folder ? "; --resume goes on" : "");
     std::signal(SIGINT, SIG_DFL);
     std::raise(SIGINT);
   }
@@ -312,9 +242,18 @@ void addRun(CLI::App& app) {
       "..._thickness_ratio     distance of a disc's endplates over that at rest, mean of the "
       "disc;\n"
       "..._column_ratio        the same of its thinnest or thickest column of nodes\n\n"
+      "Under mpirun (OpenMPI) the processes share the seeds, and the first one prints the result\n"
+      "of all; with --results each keeps what it has done, in one folder or, where machines have "
+      "no\n"
+      "folder in common, each in its own. result.json holds what --json prints, without the times\n"
+      "that it took: it is the same, byte for byte, for any number of processes and threads and\n"
+      "after any interruption, on machines of one kind.\n\n"
       "Examples:\n"
       "  torso run mjcf/human.xml\n"
       "  torso run mjcf/human.xml --drop 2 --control random --seeds 100 --threads 2 --json\n"
+      "  mpirun -n 4 torso run mjcf/human.xml --drop 2 --control random --seeds 1000 --results "
+      "falls "
+      "--resume\n"
       "  torso run mjcf/human.xml --drop 0.5 --csv drop.csv --render frames\n"
       "  torso run mjcf/torso_held.xml --seconds 1 --vtu discs --vtu-at 0,1");
   command->add_option("MODEL", options->model, "MJCF, URDF or MJB file")->required();
@@ -333,6 +272,14 @@ void addRun(CLI::App& app) {
   command->add_option("--timestep", options->timestep, "Instead of the model's [s]")
       ->check(CLI::PositiveNumber);
   command->add_flag("--json", options->json, "Print JSON");
+  auto* results = command->add_option(
+      "--results", options->results,
+      "Write the result of each seed into this folder as it is done, and at last result.json");
+  command
+      ->add_flag(
+          "--resume", options->resume,
+          "Run only seeds that have no result in that folder: after a kill, or for more seeds")
+      ->needs(results);
   command->add_option("--csv", options->csv,
                       "Write the time series of the first seed: centre of mass, energy, disc "
                       "pressures");

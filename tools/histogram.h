@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 namespace torso::tools {
 
@@ -22,6 +24,22 @@ class LengthHistogram {
   void merge(const LengthHistogram& other) {
     for (int i = 0; i < kBins; i++) count_[i] += other.count_[i];
     total_ += other.total_;
+  }
+
+  // Bins that are not empty, with their counts; and the same way back.
+  std::vector<std::pair<int, std::int64_t>> bins() const {
+    std::vector<std::pair<int, std::int64_t>> bins;
+    for (int i = 0; i < kBins; i++) {
+      if (count_[i]) bins.emplace_back(i, count_[i]);
+    }
+    return bins;
+  }
+  // False if there is no such bin.
+  bool addBin(int bin, std::int64_t count) {
+    if (bin < 0 || bin >= kBins || count < 0) return false;
+    count_[bin] += count;
+    total_ += count;
+    return true;
   }
 
   // Upper edge of the bin that holds the p-quantile, 0 < p <= 1 [m]; 0 without samples.

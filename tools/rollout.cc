@@ -11,6 +11,7 @@
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "tools/clock.h"
 #include "tools/mujoco_support.h"
@@ -134,12 +135,8 @@ bool endsOnFloor(const Setting& setting, mjData* d) {
 // Takes the quantities that the last mj_step computed; allocates nothing.
 class Monitor {
  public:
-  Monitor(const Setting& setting, RunResult& result, LengthHistogram& ligament_violation,
-          LengthHistogram& facet_violation)
-      : setting_(setting),
-        result_(result),
-        ligament_violation_(ligament_violation),
-        facet_violation_(facet_violation) {}
+  Monitor(const Setting& setting, RunResult& result, Violations& violations)
+      : setting_(setting), result_(result), violations_(violations) {}
 
   void sample(const mjData* d, double time) {
     const mjModel* m = setting_.m;
@@ -159,13 +156,13 @@ class Monitor {
       const double violation = d->ten_length[i] - m->tendon_range[2 * i + 1];
       if (violation <= 0) continue;
       larger(e.max_ligament_violation, violation, i);
-      ligament_violation_.add(violation);
+      violations_.ligament.add(violation);
     }
     for (int i = 0; i < setting_.torso.nfacet; i++) {
       const double violation = torso_facetViolation(m, d, i);
       if (violation <= 0) continue;
       larger(e.max_facet_violation, violation, i);
-      facet_violation_.add(violation);
+      violations_.facet.add(violation);
     }
   }
 
@@ -179,7 +176,7 @@ class Monitor {
 
   const Setting& setting_;
   RunResult& result_;
-  LengthHistogram &ligament_violation_, &facet_violation_;
+  Violations& violations_;
   double time_ = 0;
 };
 
@@ -247,7 +244,7 @@ std::int64_t stepsOf(const mjModel* m, double seconds) {
 // One thread's part of a rollout.
 struct Worker {
   DataPtr d;
-  LengthHistogram ligament_violation, facet_violation;
+  Violations run_violations, violations;  // of the run at hand, and of all of this worker
   std::exception_ptr error;
 
   void run(const Setting& setting, const std::vector<Observer>& observers, RunResult& result,
@@ -257,7 +254,8 @@ struct Worker {
     startRun(m, d.get(), setting.options);
     ControlSignal controls(m, d.get(), setting.options, result.seed);
     ObserverClock clock(m, observers);
-    Monitor monitor(setting, result, ligament_violation, facet_violation);
+    run_violations = {};
+    Monitor monitor(setting, result, run_violations);
     const long warnings_before = threadWarnings();
     try {
       while (result.steps < steps) {
@@ -292,6 +290,7 @@ struct Worker {
       result.failure = fmt::format("{} (at {:.3f} s)", e.what(), result.steps * m->opt.timestep);
     }
     steps_done += steps - result.steps;
+    violations.merge(run_violations);
     result.done = true;
   }
 };
@@ -359,33 +358,44 @@ std::int64_t simulate(const mjModel* m, mjData* d, ControlSignal& controls, doub
 
 RolloutSummary rollout(const mjModel* m, const RolloutOptions& options,
                        const std::vector<Observer>& observers,
-                       const std::function<void(double)>& progress, const std::atomic<bool>& stop) {
+                       const std::function<void(double)>& progress, const std::atomic<bool>& stop,
+                       const RunObserver& done) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const Setting setting(m, options);
 
-  RolloutSummary summary;
-  summary.runs.resize(options.seeds);
-  for (int i = 0; i < options.seeds; i++) summary.runs[i].seed = options.seed0 + i;
+  std::vector<RunResult> runs;
+  for (int i = 0; i < options.seeds; i++) {
+    const std::uint64_t seed = options.seed0 + i;
+    if (options.skip.count(seed)) continue;
+    runs.emplace_back();
+    runs.back().seed = seed;
+  }
+  const int n = static_cast<int>(runs.size());
 
-  std::vector<Worker> workers(std::clamp(options.threads, 1, options.seeds));
+  std::vector<Worker> workers(std::clamp(options.threads, 1, std::max(n, 1)));
   for (Worker& worker : workers) worker.d = makeData(m);
 
   std::atomic<int> next = 0;
   std::atomic<std::int64_t> steps_done = 0;
-  std::mutex mutex;
+  std::mutex mutex, done_mutex;
   std::condition_variable finished;
   std::size_t idle = 0;
   std::vector<std::thread> threads;
   for (Worker& worker : workers) {
     threads.emplace_back([&] {
       try {
-        for (int i; !stop && (i = next++) < options.seeds;) {
-          worker.run(setting, i == 0 ? observers : std::vector<Observer>(), summary.runs[i],
-                     steps_done, stop);
+        for (int i; !stop && (i = next++) < n;) {
+          const bool observed = runs[i].seed == options.seed0;
+          worker.run(setting, observed ? observers : std::vector<Observer>(), runs[i], steps_done,
+                     stop);
+          if (!done || !runs[i].done) continue;
+          const std::lock_guard<std::mutex> lock(done_mutex);
+          done(runs[i], worker.run_violations);
         }
       } catch (...) {
         worker.error = std::current_exception();
+        next = n;
       }
       const std::lock_guard<std::mutex> lock(mutex);
       idle++;
@@ -393,7 +403,7 @@ RolloutSummary rollout(const mjModel* m, const RolloutOptions& options,
     });
   }
   {
-    const double all_steps = static_cast<double>(stepsOf(m, options.seconds)) * options.seeds;
+    const double all_steps = static_cast<double>(stepsOf(m, options.seconds)) * std::max(n, 1);
     std::unique_lock<std::mutex> lock(mutex);
     while (!finished.wait_for(lock, std::chrono::milliseconds(100),
                               [&] { return idle == workers.size(); })) {
@@ -401,17 +411,27 @@ RolloutSummary rollout(const mjModel* m, const RolloutOptions& options,
     }
   }
   for (std::thread& thread : threads) thread.join();
-  summary.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const double wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
 
+  Violations violations;
   for (const Worker& worker : workers) {
     if (worker.error) std::rethrow_exception(worker.error);
-    summary.ligament_violation.merge(worker.ligament_violation);
-    summary.facet_violation.merge(worker.facet_violation);
+    violations.merge(worker.violations);
   }
-  auto& runs = summary.runs;
   runs.erase(std::remove_if(runs.begin(), runs.end(), [](const RunResult& r) { return !r.done; }),
              runs.end());
-  summary.has_floor = setting.floor >= 0;
+  RolloutSummary summary = summarise(m, std::move(runs), violations);
+  summary.wall_seconds = wall_seconds;
+  return summary;
+}
+
+RolloutSummary summarise(const mjModel* m, std::vector<RunResult> runs,
+                         const Violations& violations) {
+  std::sort(runs.begin(), runs.end(),
+            [](const RunResult& a, const RunResult& b) { return a.seed < b.seed; });
+  RolloutSummary summary;
+  summary.violations = violations;
+  summary.has_floor = findFloor(m) >= 0;
   summary.state_hash = kHashStart;
   std::int64_t steps = 0, constraints = 0, on_floor = 0;
   for (const RunResult& run : runs) {
@@ -427,6 +447,7 @@ RolloutSummary rollout(const mjModel* m, const RolloutOptions& options,
   summary.simulated_seconds = steps * m->opt.timestep;
   if (steps > 0) summary.mean_constraints = static_cast<double>(constraints) / steps;
   if (!runs.empty()) summary.on_floor = static_cast<double>(on_floor) / runs.size();
+  summary.runs = std::move(runs);
   return summary;
 }
 

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,9 +31,10 @@ struct RolloutOptions {
   std::uint64_t seed0 = 0;
   int threads = 1;
   Control control = Control::kHold;
-  double amplitude = 0.5;  // of random controls, as a share of the control range, 0 to 1
-  double lift = 0;         // every free body starts that much higher [m]
-  int keyframe = -1;       // start state, -1: qpos0 at rest
+  double amplitude = 0.5;             // of random controls, as a share of the control range, 0 to 1
+  double lift = 0;                    // every free body starts that much higher [m]
+  int keyframe = -1;                  // start state, -1: qpos0 at rest
+  std::set<std::uint64_t> skip = {};  // seeds that are not run
 };
 
 // Set in the model what a rollout needs there: the time step [s], if positive, and actuation.
@@ -63,8 +65,8 @@ class ControlSignal {
 // Simulate `seconds` from the state that startRun has left in d. Returns the number of steps.
 std::int64_t simulate(const mjModel* m, mjData* d, ControlSignal& controls, double seconds);
 
-// Called for the first run at times 0, 1/rate, 2/rate, ..., on whichever thread simulates it, with
-// a copy of the state for which mj_forward was called.
+// Called for the run of seed0 at times 0, 1/rate, 2/rate, ..., on whichever thread simulates it,
+// with a copy of the state for which mj_forward was called.
 struct Observer {
   double rate;  // [1/s]
   std::function<void(const mjModel*, const mjData*)> observe;
@@ -101,6 +103,16 @@ struct RunResult {
   Extremes extremes;
 };
 
+// Of all limited spatial tendons longer than their limit, and of all facets out of their band, at
+// every step.
+struct Violations {
+  LengthHistogram ligament, facet;
+  void merge(const Violations& other) {
+    ligament.merge(other.ligament);
+    facet.merge(other.facet);
+  }
+};
+
 struct RolloutSummary {
   std::vector<RunResult> runs;  // of the seeds that were done, in their order
   int failed = 0;               // runs with a warning, an exception or a number that is not finite
@@ -111,17 +123,27 @@ struct RolloutSummary {
   double on_floor = 0;  // share of the runs, see endsOnFloor in rollout.cc
   std::uint64_t state_hash = 0;
   Extremes extremes;
-  // Of all limited spatial tendons longer than their limit, and of all facets out of their band, at
-  // every step of every run.
-  LengthHistogram ligament_violation, facet_violation;
+  Violations violations;  // of all runs
 };
+
+// What runs tell together. They are put in the order of their seeds; violations: of all of them.
+RolloutSummary summarise(const mjModel* m, std::vector<RunResult> runs,
+                         const Violations& violations);
+
+// Told of each run that is done, by one thread at a time.
+using RunObserver = std::function<void(const RunResult&, const Violations&)>;
 
 // Simulate the seeds seed0 .. seed0 + seeds - 1 on a model that configureModel has seen. The runs
 // do not depend on the number of threads, bit for bit. A run that fails ends at that step. progress
 // is called now and then on the calling thread with the share that is done; setting stop ends the
-// rollout early. Both observers and progress may be empty. Throws Error if memory is short.
+// rollout early. Observers, progress and done may be empty. Throws Error if memory is short, and
+// what `done` throws.
+//
+// Not by torso_rollout, which this agrees with bit for bit (see the tests): observers want the
+// moment before a step, and runs their own processor time, violations and MuJoCo's message.
 RolloutSummary rollout(const mjModel* m, const RolloutOptions& options,
                        const std::vector<Observer>& observers,
-                       const std::function<void(double)>& progress, const std::atomic<bool>& stop);
+                       const std::function<void(double)>& progress, const std::atomic<bool>& stop,
+                       const RunObserver& done = nullptr);
 
 }  // namespace torso::tools

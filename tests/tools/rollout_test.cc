@@ -132,8 +132,8 @@ TEST(Rollout, MeasuresHowFarATendonIsBeyondItsLimit) {
   const RolloutSummary summary = rollout(m.get(), options, {}, nullptr, kGoOn);
   EXPECT_NEAR(summary.extremes.max_ligament_violation.value, 0.01, 1e-12);
   EXPECT_EQ(summary.extremes.max_ligament_violation.id, 0);
-  EXPECT_EQ(summary.ligament_violation.total(), 1);
-  EXPECT_NEAR(summary.ligament_violation.quantile(0.99), 0.01, 5e-5);
+  EXPECT_EQ(summary.violations.ligament.total(), 1);
+  EXPECT_NEAR(summary.violations.ligament.quantile(0.99), 0.01, 5e-5);
   EXPECT_EQ(summary.mean_constraints, 1);
 }
 
