@@ -172,6 +172,15 @@ void RunFolder::save(std::uint64_t seed, const std::string& text) const {
   writeFile(file(seed), text + "\n");
 }
 
-std::string RunFolder::load(std::uint64_t seed) const { return readText(file(seed)); }
+std::string RunFolder::load(std::uint64_t seed) const {
+  const std::string text = readText(file(seed));
+  Violations unused;
+  const RunResult run = parseRecord(text, file(seed), &unused);
+  if (run.seed != seed) {
+    throw Error(fmt::format("{}: holds seed {}; delete it to have this seed run again", file(seed),
+                            run.seed));
+  }
+  return text;
+}
 
 }  // namespace torso::tools

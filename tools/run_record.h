@@ -39,7 +39,7 @@ class RunFolder {
   std::set<std::uint64_t> seeds(std::uint64_t first, int count) const;
   std::string file(std::uint64_t seed) const;  // its path
   void save(std::uint64_t seed, const std::string& text) const;
-  std::string load(std::uint64_t seed) const;
+  std::string load(std::uint64_t seed) const;  // throws Error if it is damaged
 
  private:
   std::string path_, settings_, text_;  // folder; its settings.json and what that holds

@@ -48,6 +48,7 @@ struct Batch {
     start.resize(full);
     torso_getState(m.get(), d.get(), start.data(), TORSO_STATE_FULL);
     for (int i = 0; i < kTrajectories; i++) {
+      startRun(m.get(), d.get(), options);
       ControlSignal signal(m.get(), d.get(), options, i);
       for (int k = 0; k < nstep; k++) {
         signal.apply(m.get(), d.get(), k);

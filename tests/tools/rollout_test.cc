@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <random>
 #include <string>
 #include <vector>
@@ -118,6 +119,53 @@ TEST(Rollout, IsPlainSteppingFromTheStart) {
                    const mjData* data) { qpos.assign(data->qpos, data->qpos + model->nq); }}},
           nullptr, kGoOn);
   EXPECT_EQ(qpos, std::vector<mjtNum>(d->qpos, d->qpos + m->nq));
+}
+
+// The two ways to roll out, on the same controls.
+TEST(Rollout, AgreesWithThePluginsRolloutBitForBit) {
+  const ModelPtr m = loadModel(kHumanoid);
+  RolloutOptions options;
+  options.seconds = 0.5;
+  options.seeds = 3;
+  options.threads = 2;
+  options.lift = 0.3;
+  options.control = Control::kRandom;
+  const RolloutSummary summary = rollout(m.get(), options, {}, nullptr, kGoOn);
+
+  constexpr int kSteps = 100;
+  const DataPtr d = makeData(m.get()), second = makeData(m.get());
+  startRun(m.get(), d.get(), options);
+  const int full = torso_stateSize(m.get(), TORSO_STATE_FULL);
+  const int physics = torso_stateSize(m.get(), TORSO_STATE_PHYSICS);
+  std::vector<mjtNum> start(full), control, end(3 * full);
+  torso_getState(m.get(), d.get(), start.data(), TORSO_STATE_FULL);
+  for (int seed = 0; seed < 3; seed++) {
+    startRun(m.get(), d.get(), options);
+    ControlSignal signal(m.get(), d.get(), options, seed);
+    for (int step = 0; step < kSteps; step++) {
+      signal.apply(m.get(), d.get(), step);
+      control.insert(control.end(), d->ctrl, d->ctrl + m->nu);
+    }
+  }
+  torsoRollout r;
+  torso_defaultRollout(&r);
+  r.ntrajectory = 3;
+  r.nstep = kSteps;
+  r.initial_state = start.data();
+  r.ninitial = 1;
+  r.control = control.data();
+  r.final_state = end.data();
+  mjData* const data[] = {d.get(), second.get()};
+  ASSERT_EQ(torso_rollout(m.get(), data, 2, &r), 0);
+  ASSERT_EQ(summary.runs.size(), 3u);
+  for (int i = 0; i < 3; i++) {
+    // FNV-1a of qpos, qvel, act and userdata, which follow the time.
+    std::uint64_t hash = 0xcbf29ce484222325;
+    const auto* bytes = reinterpret_cast<const unsigned char*>(&end[i * full + 1]);
+    const std::size_t size = (physics - 1 + m->nuserdata) * sizeof(mjtNum);
+    for (std::size_t k = 0; k < size; k++) hash = (hash ^ bytes[k]) * 0x100000001b3;
+    EXPECT_EQ(summary.runs[i].state_hash, hash) << "seed " << i;
+  }
 }
 
 // A pendulum on a string that is 1 cm shorter than the bob is far: the first violation is known.
