@@ -187,7 +187,9 @@ MJAPI void torso_defaultRollout(torsoRollout* r);
  * fails ends early and does not touch the others. Returns the number of trajectories that did not
  * end as TORSO_OK, or -1, with nothing done, if an argument is wrong or the torso's data are
  * damaged (torso_lastError says what). Allocates for its threads only, not for trajectories and
- * steps. If the system grants fewer threads, it makes do with those. */
+ * steps. If the system grants fewer threads, it makes do with those. MuJoCo's warnings go to
+ * mju_user_warning, or to the console and MUJOCO_LOG.TXT, as ever; the texts of two at the same
+ * moment may mix, for MuJoCo's threads share a buffer. */
 MJAPI int torso_rollout(const mjModel* m, mjData* const* d, int nthread, const torsoRollout* r);
 
 #ifdef __cplusplus

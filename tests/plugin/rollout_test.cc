@@ -290,7 +290,8 @@ TEST_F(RolloutTest, NumbersThatAreNotFiniteAreFoundAtTheirStep) {
   Batch batch(m.get(), 4);
   batch.initial[1 * batch.full_size + 1] = std::nan("");  // qpos[0] of the second
   batch.control[(2 * 4 + 3) * m->nu] = 1e9;               // in the last step of the third
-  EXPECT_EQ(batch.run(m.get(), 2), 2);
+  // On one thread: MuJoCo writes the text of its warnings into a buffer that threads share.
+  EXPECT_EQ(batch.run(m.get(), 1), 2);
   EXPECT_EQ(batch.status[1], TORSO_WARNING + mjWARN_BADQPOS);
   EXPECT_EQ(batch.steps[1], 0);
   EXPECT_EQ(batch.status[2], TORSO_WARNING + mjWARN_BADQACC);
