@@ -132,7 +132,7 @@ std::string merged(const Json& settings, Json description) {
 
 void run(Options options) {
   const Processes processes;
-  const bool first = processes.rank() == 0;  // the one that prints and watches seed0
+  const bool leads = processes.rank() == 0;  // it prints, and watches seed0
   const ModelPtr m = loadModel(options.model);
   const torsoInfo torso = torsoOf(m.get(), options.model);
   options.rollout.keyframe = keyframeId(m.get(), options.keyframe, options.model);
@@ -142,12 +142,12 @@ void run(Options options) {
 
   std::vector<Observer> observers;
   TimeSeries series(m.get(), torso.ndisc);
-  if (first && !options.csv.empty()) {
+  if (leads && !options.csv.empty()) {
     observers.push_back(
         {options.rate, [&](const mjModel* model, const mjData* d) { series.add(model, d); }});
   }
   std::vector<DataPtr> frames;
-  if (first && !options.render_folder.empty()) {
+  if (leads && !options.render_folder.empty()) {
     observers.push_back({(options.frames - 1) / options.rollout.seconds,
                          [&](const mjModel* model, const mjData* d) {
                            frames.push_back(makeData(model));
@@ -156,7 +156,7 @@ void run(Options options) {
   }
 
   std::optional<VtuFolder> vtu_folder;
-  if (first && !options.vtu_folder.empty()) {
+  if (leads && !options.vtu_folder.empty()) {
     if (torso.ndisc == 0) throw Error(options.model + ": the model has no discs to write");
     std::vector<double>& times = options.vtu_times;
     std::sort(times.begin(), times.end());
@@ -181,7 +181,7 @@ void run(Options options) {
   std::signal(SIGINT, onInterrupt);
   const std::optional<RolloutSummary> result = [&]() -> std::optional<RolloutSummary> {
     std::optional<ProgressBar> bar;
-    if (first) bar.emplace();
+    if (leads) bar.emplace();
     const auto show = [&bar](double share) {
       if (bar) bar->show(share);
     };
@@ -200,7 +200,8 @@ void run(Options options) {
     printRuns(json);
     std::fflush(stdout);
   }
-  if (folder && !interrupted) writeFile(options.results + "/result.json", merged(settings, json));
+  const bool complete = static_cast<int>(summary.runs.size()) == options.rollout.seeds;
+  if (folder && complete) folder->finish(merged(settings, json));
   if (!options.csv.empty()) writeFile(options.csv, series.text());
   if (vtu_folder) vtu_folder->finish();
   if (!options.render_folder.empty()) writeFrames(options, m.get(), frames);
@@ -210,6 +211,11 @@ void run(Options options) {
                              options.rollout.seeds, folder ? "; --resume goes on" : "");
     std::signal(SIGINT, SIG_DFL);
     std::raise(SIGINT);
+  }
+  if (!complete) {
+    throw Error(fmt::format("{} of {} runs were done, for another process was interrupted{}",
+                            summary.runs.size(), options.rollout.seeds,
+                            folder ? "; --resume goes on" : ""));
   }
   if (summary.failed) {
     const Json& first = json["failures"][0];
@@ -243,17 +249,14 @@ void addRun(CLI::App& app) {
       "disc;\n"
       "..._column_ratio        the same of its thinnest or thickest column of nodes\n\n"
       "Under mpirun (OpenMPI) the processes share the seeds, and the first one prints the result\n"
-      "of all; with --results each keeps what it has done, in one folder or, where machines have "
-      "no\n"
-      "folder in common, each in its own. result.json holds what --json prints, without the times\n"
+      "of all; with --results each keeps what it has done, in one folder or, where machines have\n"
+      "none in common, each in its own. result.json holds what --json prints, without the times\n"
       "that it took: it is the same, byte for byte, for any number of processes and threads and\n"
       "after any interruption, on machines of one kind.\n\n"
       "Examples:\n"
       "  torso run mjcf/human.xml\n"
       "  torso run mjcf/human.xml --drop 2 --control random --seeds 100 --threads 2 --json\n"
-      "  mpirun -n 4 torso run mjcf/human.xml --drop 2 --control random --seeds 1000 --results "
-      "falls "
-      "--resume\n"
+      "  mpirun -n 4 torso run mjcf/human.xml --control random --seeds 1000 --results r --resume\n"
       "  torso run mjcf/human.xml --drop 0.5 --csv drop.csv --render frames\n"
       "  torso run mjcf/torso_held.xml --seconds 1 --vtu discs --vtu-at 0,1");
   command->add_option("MODEL", options->model, "MJCF, URDF or MJB file")->required();

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <memory>
 #include <sstream>
+#include <system_error>
 #include <vector>
 
 #include "model/disc_batch.h"
@@ -139,7 +140,7 @@ void checkSettings(const Json& ours, const std::string& theirs, const std::strin
 }
 
 RunFolder::RunFolder(const std::string& path, const Json& settings, bool resume)
-    : path_(path), settings_(path + "/settings.json") {
+    : path_(path), settings_(path + "/settings.json"), result_(path + "/result.json") {
   const bool has_results = std::filesystem::exists(settings_);
   if (has_results && !resume) {
     throw Error(path +
@@ -153,7 +154,11 @@ RunFolder::RunFolder(const std::string& path, const Json& settings, bool resume)
 void RunFolder::open() const {
   makeFolder(path_);
   writeFile(settings_, text_);
+  std::error_code error;
+  std::filesystem::remove(result_, error);
 }
+
+void RunFolder::finish(const std::string& text) const { writeFile(result_, text); }
 
 std::set<std::uint64_t> RunFolder::seeds(std::uint64_t first, int count) const {
   std::set<std::uint64_t> seeds;

@@ -33,8 +33,10 @@ class RunFolder {
   // Throws Error if the folder holds results and resume is false, or if they are of other settings.
   RunFolder(const std::string& path, const nlohmann::ordered_json& settings, bool resume);
 
-  // Make the folder, if it is not there, and write its settings.
+  // Make the folder, if it is not there, write its settings, and remove the result of fewer seeds.
   void open() const;
+  // Write the result of all seeds, result.json.
+  void finish(const std::string& text) const;
   // Seeds of first .. first + count - 1 that have a result.
   std::set<std::uint64_t> seeds(std::uint64_t first, int count) const;
   std::string file(std::uint64_t seed) const;  // its path
@@ -42,7 +44,8 @@ class RunFolder {
   std::string load(std::uint64_t seed) const;  // throws Error if it is damaged
 
  private:
-  std::string path_, settings_, text_;  // folder; its settings.json and what that holds
+  std::string path_, settings_, result_;  // the folder, its settings.json and result.json
+  std::string text_;                      // of settings.json
 };
 
 }  // namespace torso::tools

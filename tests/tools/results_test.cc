@@ -36,8 +36,9 @@ class Results : public Command {
     return readFile(folder_ / "whole/result.json");
   }
 
-  // Starts a program with many seeds, and kills it without warning when some are done.
-  void killWhenSomeAreDone(const std::vector<std::string>& arguments, const std::string& results) {
+  // Starts a program with many seeds, and ends it by a signal when some are done.
+  void killWhenSomeAreDone(const std::vector<std::string>& arguments, const std::string& results,
+                           int signal = SIGKILL) {
     const pid_t child = fork();
     if (child == 0) {
       std::vector<char*> argv;
@@ -54,7 +55,7 @@ class Results : public Command {
     for (int i = 0; i < 600 && !fs::exists(folder_ / results / "seed3.json"); i++) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
-    kill(child, SIGKILL);
+    kill(child, signal);
     int status;
     waitpid(child, &status, 0);
     ASSERT_TRUE(WIFSIGNALED(status)) << "it ended by itself, status " << WEXITSTATUS(status);
@@ -80,18 +81,22 @@ TEST_F(Results, AreWhatJsonPrintsWithoutTheTimes) {
   }
 }
 
-TEST_F(Results, AKilledRunGoesOn) {
-  std::vector<std::string> words = {TORSO_COMMAND};
-  std::istringstream stream(std::string(kLong) + "--seeds 30 --results killed");
-  for (std::string word; stream >> word;) words.push_back(word);
-  killWhenSomeAreDone(words, "killed");
-  const std::string before = readFile(folder_ / "killed/seed0.json");
-  const Result resumed =
-      run(std::string(kLong) + "--seeds 30 --results killed --resume --threads 2");
-  EXPECT_EQ(resumed.status, 0) << resumed.err;
-  EXPECT_EQ(readFile(folder_ / "killed/seed0.json"), before)
-      << "which tells its processor time, too";
-  EXPECT_EQ(readFile(folder_ / "killed/result.json"), whole(std::string(kLong) + "--seeds 30"));
+TEST_F(Results, AKilledOrInterruptedRunGoesOn) {
+  const std::string text = whole(std::string(kLong) + "--seeds 30");
+  for (const int signal : {SIGKILL, SIGINT}) {
+    std::vector<std::string> words = {TORSO_COMMAND};
+    std::istringstream stream(std::string(kLong) + "--seeds 30 --results killed");
+    for (std::string word; stream >> word;) words.push_back(word);
+    killWhenSomeAreDone(words, "killed", signal);
+    const std::string before = readFile(folder_ / "killed/seed0.json");
+    const Result resumed =
+        run(std::string(kLong) + "--seeds 30 --results killed --resume --threads 2");
+    EXPECT_EQ(resumed.status, 0) << resumed.err;
+    EXPECT_EQ(readFile(folder_ / "killed/seed0.json"), before)
+        << "which tells its processor time, too";
+    EXPECT_EQ(readFile(folder_ / "killed/result.json"), text);
+    fs::remove_all(folder_ / "killed");
+  }
 }
 
 TEST_F(Results, MoreSeedsJoinThoseThatAreThere) {
