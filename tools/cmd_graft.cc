@@ -69,6 +69,14 @@ void addGraft(CLI::App& app) {
   command->add_option("-o,--output", options->graft.output, "MJCF file to write")->required();
   command->add_option("--prefix", options->graft.prefix, "Put before every name of the torso");
   command->add_option("--anatomy", options->anatomy, "Folder of the anatomy tables");
+  command->add_flag("--group", options->graft.groups,
+                    "Add servos that bend the lumbar, thoracic and cervical levels together");
+  command
+      ->add_option("--timestep", options->graft.timestep,
+                   "Time step [s]; otherwise the humanoid's, but at most 1/600")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--keep-integrator", options->graft.keep_integrator,
+                    "Keep RK4, which is otherwise replaced by Euler");
   command->add_flag("--dry-run", options->graft.dry_run, "Report, but write nothing");
   command->add_flag("--json", options->json, "Print the report as JSON on stdout");
   command->callback([options] {

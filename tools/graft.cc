@@ -132,9 +132,11 @@ GraftReport Grafter::run() {
   takeLimbs();
   takeCarried();
   removeTrunk();
+  writeTorso();
+  takeTrunkActuators();
+  addGroups();
   dropReferences();
   takeKeyframes();
-  writeTorso();
   mergeSettings();
   hangLimbs();
   merge();

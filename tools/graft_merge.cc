@@ -20,12 +20,10 @@ using tinyxml2::XMLNode;
 
 // MuJoCo wants actuators without activation, as ours, before those with.
 XMLElement* Grafter::firstStatefulActuator() const {
-  const mjModel* m = host_.model.get();
   XMLElement* first = nullptr;
   forEachSection(host_.root, "actuator", [&](XMLElement* s) {
     for (XMLElement* e = s->FirstChildElement(); e && !first; e = e->NextSiblingElement()) {
-      const int id = mj_name2id(m, mjOBJ_ACTUATOR, text(e, "name").c_str());
-      if (id >= 0 && m->actuator_dyntype[id] != mjDYN_NONE) first = e;
+      if (stateful_.count(e)) first = e;
     }
   });
   return first;

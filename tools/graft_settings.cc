@@ -35,16 +35,32 @@ void Grafter::checkSettings() {
 
 void Grafter::mergeSettings() {
   XMLElement* root = host_.root;
-  const auto change = [&](const char* tag, const char* attribute, const std::string& value) {
+  const auto change = [&](const char* tag, const char* attribute, const std::string& value,
+                          const std::string& why = "") {
     const std::string before = setting(root, tag, attribute);
     if (before == value) return;
     setSetting(root, tag, attribute, value);
     note("changed", tag, attribute,
-         fmt::format("{} -> {}", before.empty() ? "default" : before, value));
+         fmt::format("{} -> {}{}", before.empty() ? "default" : before, value, why));
   };
   XMLElement* option = torso_root_->FirstChildElement("option");
   const double step = numbers(option, "timestep").at(0);
-  if (host_.model->opt.timestep > step) change("option", "timestep", text(option, "timestep"));
+  if (o_.timestep > 0) {
+    change("option", "timestep", mjcfText(o_.timestep));
+  } else if (host_.model->opt.timestep > step) {
+    change("option", "timestep", text(option, "timestep"));
+  } else if (host_.model->opt.timestep < 0.9 * step) {
+    note("kept", "option", "timestep",
+         fmt::format("{:g} s, finer than the torso needs; --timestep {:.3g} would be {:.1f} times "
+                     "faster",
+                     host_.model->opt.timestep, step, step / host_.model->opt.timestep));
+  }
+  // Four evaluations of a step gain nothing: the torso's implicit rows are first order in the step.
+  if (host_.model->opt.integrator == mjINT_RK4 && !o_.keep_integrator) {
+    change("option", "integrator", "Euler",
+           ", four times as fast, as the torso is of first order in the step anyway; "
+           "--keep-integrator keeps it");
+  }
   change("option", "solver", text(option, "solver"));
   change("option", "jacobian", text(option, "jacobian"));
   // The plugin's rows are unknown to noslip; facets are contact pairs.

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -21,6 +22,13 @@
 #include "tools/graft_names.h"
 
 namespace torso::tools {
+
+// Levels of the spine that one actuator bends about one axis of the standing trunk.
+struct SpineGroup {
+  std::string name;  // of the actuator
+  int axis;          // 0 x, 1 y, 2 z
+  int first, last;   // of Anatomy::discs
+};
 
 class Grafter {
  public:
@@ -73,6 +81,16 @@ class Grafter {
   void renameClashes();
   XMLElement* ourBody(const std::string& body);  // before renaming
 
+  // graft_actuators.cc: servos of several levels
+  void takeTrunkActuators();
+  void addGroups();
+  void makeGroup(XMLElement* e, const SpineGroup& group, double slope, double offset);
+  std::array<double, 2> groupRange(const SpineGroup& group) const;  // [rad]
+  std::map<int, SpineGroup> trunkJointGroups(const std::vector<int>& joints) const;
+  Eigen::Vector3d localAxis(int joint) const;
+  std::string standingSite(const std::string& bone);
+  std::string freeName(const std::string& kind, std::string name) const;
+
   // graft_contacts.cc
   void adaptContactBits();
   void exclude(const std::string& one, const std::string& two, const char* why);
@@ -105,6 +123,9 @@ class Grafter {
   std::array<XMLElement*, 4> limbs_{};   // thighs, upper arms; left, right
   std::vector<std::pair<XMLElement*, std::string>> carried_;  // camera, light or site; our body
   XMLElement* keyframes_ = nullptr;
+  std::set<XMLElement*> stateful_;                     // actuators of the host with activation
+  std::array<std::map<int, std::string>, 3> driven_;   // by axis and disc: actuator of the group
+  std::map<std::string, std::string> standing_sites_;  // by bone
   std::set<MjcfName> removed_;
   std::set<std::pair<std::string, std::string>> excluded_;
   GraftReport report_{};
