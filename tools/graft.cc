@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "model/body.h"
+#include "tools/files.h"
 #include "tools/graft_xml.h"
 #include "tools/grafter.h"
 #include "tools/torso_mjcf.h"
@@ -64,7 +65,6 @@ void Grafter::fit() {
   place_ = isometry(Quaterniond(R), Vector3d::Zero());
   place_.translation() =
       0.5 * (hip[0] + hip[1]) - R * (report_.length_scale * 0.5 * (our_hip[0] + our_hip[1]));
-  report_.parts = parts_.notes;
 }
 
 std::string Grafter::bodyName(const std::string& body) const {
@@ -115,6 +115,20 @@ std::string Grafter::replacement(const std::string& body) const {
   return "";
 }
 
+void Grafter::writeMap() const {
+  if (o_.write_map.empty()) return;
+  BodyMap map;
+  for (const RecognisedPart& p : parts_.recognised) {
+    std::vector<std::string>& names = map.bodies[p.part];
+    for (const std::string& name : p.bodies) {
+      // Only a body with a name can be in a map.
+      if (mj_name2id(host_.model.get(), mjOBJ_BODY, name.c_str()) > 0) names.push_back(name);
+    }
+    if (names.empty() && !p.bodies.empty()) map.bodies.erase(p.part);
+  }
+  writeFile(o_.write_map, writeBodyMap(map));
+}
+
 GraftReport Grafter::run() {
   std::error_code error;
   if (fs::equivalent(o_.input, o_.output, error)) {
@@ -122,11 +136,13 @@ GraftReport Grafter::run() {
   }
   checkSettings();
   try {
-    parts_ = recognise(host_);
+    parts_ = recognise(host_, o_.map.empty() ? BodyMap() : readBodyMap(o_.map));
   } catch (const Error&) {
     if (torsoOf(host_.model.get(), o_.input).ntorso == 0) throw;
     fail("it has a torso of ours already, and no other humanoid");
   }
+  report_.parts = parts_.recognised;
+  writeMap();
   fit();
   isolateDefaults();
   takeLimbs();

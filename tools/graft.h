@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/anatomy.h"
+#include "tools/graft_host.h"
 
 namespace torso::tools {
 
@@ -29,7 +30,7 @@ struct GraftChange {
 };
 
 struct GraftReport {
-  std::vector<std::string> parts;   // what was recognised, and by what
+  std::vector<RecognisedPart> parts;
   double length_scale, mass_scale;  // of our torso, relative to the anatomy tables
   std::vector<GraftChange> changes;
   double mass_before, mass_after;                        // whole model [kg]

@@ -41,6 +41,7 @@ class Grafter {
   using XMLElement = tinyxml2::XMLElement;
 
   // graft.cc
+  void writeMap() const;
   void fit();  // scale and place of our torso
   [[noreturn]] void fail(const std::string& what) const { throw Error(o_.input + ": " + what); }
   void note(const char* action, const std::string& kind, const std::string& name,
