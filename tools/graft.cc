@@ -129,11 +129,22 @@ void Grafter::writeMap() const {
   writeFile(o_.write_map, writeBodyMap(map));
 }
 
-GraftReport Grafter::run() {
-  std::error_code error;
-  if (fs::equivalent(o_.input, o_.output, error)) {
-    throw Error(o_.output + ": is the humanoid itself; name another file");
+void Grafter::checkOutput() const {
+  const auto same = [&](const std::string& file) {
+    std::error_code error;
+    return fs::equivalent(file, o_.output, error);
+  };
+  if (same(o_.input)) throw Error(o_.output + ": is the humanoid itself; name another file");
+  for (const std::string& file : host_.included) {
+    if (same(file)) throw Error(o_.output + ": is a file of the humanoid; name another one");
   }
+  if (!o_.map.empty() && same(o_.map)) {
+    throw Error(o_.output + ": is the map; name another file");
+  }
+}
+
+GraftReport Grafter::run() {
+  checkOutput();
   checkSettings();
   try {
     parts_ = recognise(host_, o_.map.empty() ? BodyMap() : readBodyMap(o_.map));

@@ -60,6 +60,22 @@ void Grafter::exclude(const std::string& one, const std::string& two, const char
   note("added", "exclude", one + ", " + two, why);
 }
 
+// Name of a body of the result, which gets one if it has none.
+std::string Grafter::namedBody(const mjModel* m, int body) {
+  const char* has = mj_id2name(m, mjOBJ_BODY, body);
+  if (has && *has) return has;
+  std::vector<XMLElement*> bodies = {nullptr};
+  forEachSection(host_.root, "worldbody", [&](XMLElement* s) { listBodies(s, bodies); });
+  XMLElement* e = bodies.at(static_cast<std::size_t>(body));
+  if (text(e, "name").empty()) {
+    std::string name = "body" + std::to_string(body);
+    while (mj_name2id(m, mjOBJ_BODY, name.c_str()) >= 0) name += "_";
+    e->SetAttribute("name", name.c_str());
+    note("changed", "body", name, "had no name, which an <exclude> needs");
+  }
+  return text(e, "name");
+}
+
 void Grafter::excludeOverlaps(const mjModel* m) {
   const DataPtr d = makeData(m);
   mj_fwdPosition(m, d.get());
@@ -69,7 +85,7 @@ void Grafter::excludeOverlaps(const mjModel* m) {
     const bool by_bits = (m->geom_contype[g1] & m->geom_conaffinity[g2]) ||
                          (m->geom_contype[g2] & m->geom_conaffinity[g1]);
     if (!by_bits || b1 == 0 || b2 == 0) continue;  // a contact pair, or with the surroundings
-    const std::string one = nameOf(m, mjOBJ_BODY, b1), two = nameOf(m, mjOBJ_BODY, b2);
+    const std::string one = namedBody(m, b1), two = namedBody(m, b2);
     const auto theirs = [&](const std::string& name) {
       return mj_name2id(host_.model.get(), mjOBJ_BODY, name.c_str()) > 0 &&
              !removed_.count({"body", name});

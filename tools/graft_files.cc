@@ -98,13 +98,26 @@ void Grafter::write(const std::string& path, const Files& meshes) const {
   placeFiles(placed.RootElement(), folder.string());
   if (!fs::is_directory(folder)) throw Error(path + ": cannot write: no such folder");
   if (fs::is_directory(path)) throw Error(path + ": cannot write: this is a folder");
-  makeFolder((folder / kGraftAssets).string());
-  for (const auto& [name, content] : meshes) {
-    writeFile((folder / kGraftAssets / name).string(), content);
+  const fs::path assets = folder / kGraftAssets;
+  std::vector<fs::path> made;  // taken away again if one cannot be written
+  try {
+    if (!fs::exists(assets)) made.push_back(assets);
+    makeFolder(assets.string());
+    for (const auto& [name, content] : meshes) {
+      if (!fs::exists(assets / name)) made.push_back(assets / name);
+      writeFile((assets / name).string(), content);
+    }
+    tinyxml2::XMLPrinter printer;
+    placed.Print(&printer);
+    writeFile(path, printer.CStr());
+  } catch (const Error&) {
+    std::error_code error;
+    while (!made.empty()) {
+      fs::remove(made.back(), error);
+      made.pop_back();
+    }
+    throw;
   }
-  tinyxml2::XMLPrinter printer;
-  placed.Print(&printer);
-  writeFile(path, printer.CStr());
 }
 
 }  // namespace torso::tools

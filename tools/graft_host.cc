@@ -29,17 +29,19 @@ void parse(tinyxml2::XMLDocument& document, const std::string& path) {
 
 // Puts the content of included files in the place of <include>. MuJoCo has loaded the model before,
 // so that the files exist and include each other at most once.
-void expandIncludes(XMLElement* parent, const std::string& folder) {
+void expandIncludes(XMLElement* parent, const std::string& folder,
+                    std::vector<std::string>& paths) {
   for (XMLElement* e = parent->FirstChildElement(); e;) {
     XMLElement* next = e->NextSiblingElement();
     const char* file = e->Attribute("file");
     if (e->Value() != std::string("include") || !file) {
-      expandIncludes(e, folder);
+      expandIncludes(e, folder, paths);
       e = next;
       continue;
     }
     tinyxml2::XMLDocument included;
-    parse(included, (fs::path(folder) / file).string());
+    paths.push_back((fs::path(folder) / file).string());
+    parse(included, paths.back());
     tinyxml2::XMLNode* last = e;
     for (XMLElement* c = included.RootElement()->FirstChildElement(); c;
          c = c->NextSiblingElement()) {
@@ -51,14 +53,14 @@ void expandIncludes(XMLElement* parent, const std::string& folder) {
   }
 }
 
+}  // namespace
+
 void listBodies(XMLElement* parent, std::vector<XMLElement*>& bodies) {
   for (XMLElement* e = parent->FirstChildElement("body"); e; e = e->NextSiblingElement("body")) {
     bodies.push_back(e);
     listBodies(e, bodies);
   }
 }
-
-}  // namespace
 
 Host::Host(const std::string& path)
     : path(path), folder(fs::absolute(path).parent_path().string()), model(loadModel(path)) {
@@ -68,7 +70,7 @@ Host::Host(const std::string& path)
     throw Error(fmt::format("{}: not MJCF, its root element is <{}>; save it as MJCF first", path,
                             root->Value()));
   }
-  expandIncludes(root, folder);
+  expandIncludes(root, folder, included);
   bodies = {nullptr};
   for (XMLElement* w = root->FirstChildElement("worldbody"); w;
        w = w->NextSiblingElement("worldbody")) {

@@ -19,6 +19,7 @@ namespace torso::tools {
 struct Host {
   std::string path, folder;                   // folder: of the file, absolute
   tinyxml2::XMLDocument document;             // includes expanded
+  std::vector<std::string> included;          // paths of the files that were
   tinyxml2::XMLElement* root;                 // <mujoco>
   ModelPtr model;                             // compiled from the file
   DataPtr data;                               // at qpos0, kinematics computed
@@ -32,6 +33,9 @@ struct Host {
   Eigen::Vector3d jointCentre(int body) const;
   bool isBelow(int body, int ancestor) const;  // in its subtree, or itself
 };
+
+// Appends the bodies below an element in the order of MuJoCo's ids.
+void listBodies(tinyxml2::XMLElement* parent, std::vector<tinyxml2::XMLElement*>& bodies);
 
 // Parts of the trunk that our torso replaces.
 enum class TrunkPart { kPelvis, kWaist, kChest, kNeck, kHead, kLeftClavicle, kRightClavicle };

@@ -98,6 +98,7 @@ class Recogniser {
   bool givenPair(const std::string& part, std::array<int, 2>& pair) const;
   void findRoot(HostParts& parts, std::vector<LimbPair>& pairs) const;
   void findLimbs(HostParts& parts);
+  void checkMap(const HostParts& parts) const;
   void applyMap(HostParts& parts) const;
   int commonAncestor(int a, int b) const;
   void report(HostParts& parts, int pelvis, int chest) const;
@@ -316,6 +317,20 @@ bool Recogniser::givenPair(const std::string& part, std::array<int, 2>& pair) co
   return true;
 }
 
+// Bodies that the map gives for the trunk are of the trunk.
+void Recogniser::checkMap(const HostParts& parts) const {
+  for (const auto& [name, part] : kTrunkParts) {
+    for (int body : given(name)) {
+      for (int limb : {parts.thigh[0], parts.thigh[1], parts.upper_arm[0], parts.upper_arm[1]}) {
+        if (host_.isBelow(body, limb)) {
+          throw Error(fmt::format("{}: body '{}' of the trunk is part of the limb '{}'", map_.path,
+                                  host_.bodyName(body), host_.bodyName(limb)));
+        }
+      }
+    }
+  }
+}
+
 // What the map gives for the trunk, over what was recognised.
 void Recogniser::applyMap(HostParts& parts) const {
   for (const auto& [name, part] : kTrunkParts) {
@@ -326,18 +341,6 @@ void Recogniser::applyMap(HostParts& parts) const {
     for (int b : given(name)) {
       // A rigid trunk is pelvis and chest.
       if (part != TrunkPart::kChest || given("pelvis") != given("chest")) parts.trunk[b] = part;
-    }
-  }
-  for (const auto& [body, part] : parts.trunk) {
-    for (int limb : {parts.thigh[0], parts.thigh[1], parts.upper_arm[0], parts.upper_arm[1]}) {
-      if (host_.isBelow(body, limb)) {
-        throw Error(fmt::format("{}: body '{}' of the trunk is part of the limb '{}'", map_.path,
-                                host_.bodyName(body), host_.bodyName(limb)));
-      }
-    }
-    if (!host_.isBelow(body, parts.root)) {
-      throw Error(fmt::format("{}: body '{}' is not below '{}', as the limbs are", map_.path,
-                              host_.bodyName(body), host_.bodyName(parts.root)));
     }
   }
 }
@@ -523,6 +526,7 @@ HostParts Recogniser::run() {
       }
     }
   };
+  checkMap(parts);
   checkAbove("pelvis", pelvis, parts.thigh);
   checkAbove("chest", chest, parts.upper_arm);
   const Vector3d hip = 0.5 * (parts.hip[0] + parts.hip[1]);

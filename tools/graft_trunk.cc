@@ -44,8 +44,8 @@ void Grafter::removeTrunk() {
         const bool high = p == TrunkPart::kNeck || p == TrunkPart::kHead;
         by = p == TrunkPart::kLeftClavicle || p == TrunkPart::kRightClavicle
                  ? "by the servos of the sternoclavicular and acromioclavicular joints"
-                 : fmt::format("by the servos '{}_{}' ... '{}_{}'", ours(high ? "C6/C7" : "L5/S1"),
-                               motion, ours(high ? "C3/C4" : "T12/L1"), motion);
+                 : fmt::format("by the {} of the levels {} of the spine, each with a servo", motion,
+                               high ? "C7/T1 ... C2/C3" : "L5/S1 ... T1/T2");
       }
       note("replaced", "joint", nameOf(m, mjOBJ_JOINT, j), by);
     }

@@ -41,6 +41,7 @@ class Grafter {
   using XMLElement = tinyxml2::XMLElement;
 
   // graft.cc
+  void checkOutput() const;
   void writeMap() const;
   void fit();  // scale and place of our torso
   [[noreturn]] void fail(const std::string& what) const { throw Error(o_.input + ": " + what); }
@@ -95,6 +96,7 @@ class Grafter {
   // graft_contacts.cc
   void adaptContactBits();
   void exclude(const std::string& one, const std::string& two, const char* why);
+  std::string namedBody(const mjModel* m, int body);
   void excludeOverlaps(const mjModel* m);
 
   // graft_merge.cc: one document
