@@ -25,11 +25,11 @@ using tinyxml2::XMLElement;
 
 // File names relative to the folder that the MJCF will be in.
 void Grafter::placeFiles(XMLElement* root, const std::string& folder) const {
-  const fs::path target = fs::absolute(folder).lexically_normal();
+  const fs::path target = fs::weakly_canonical(folder);  // relative paths stop at links
   const bool strip = setting(root, "compiler", "strippath") == "true";
   const auto directory = [&](const char* attribute) {
     const fs::path there = fs::path(host_.folder) / setting(root, "compiler", attribute);
-    return fs::path(there).lexically_normal();
+    return fs::weakly_canonical(there);
   };
   const fs::path meshes = directory("meshdir"), textures = directory("texturedir");
   bool mesh_files = false, texture_files = false;
