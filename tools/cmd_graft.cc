@@ -15,15 +15,24 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// The humanoid's bodies of a part: "'a', 'b'".
+std::string quoted(const std::vector<std::string>& names) {
+  return names.empty() ? "none" : fmt::format("'{}'", fmt::join(names, "', '"));
+}
+
 Json describe(const GraftReport& report, const GraftOptions& options) {
   Json changes = Json::array();
   for (const GraftChange& c : report.changes) {
     changes.push_back(
         {{"action", c.action}, {"kind", c.kind}, {"name", c.name}, {"detail", c.detail}});
   }
+  Json parts = Json::object();
+  for (const RecognisedPart& p : report.parts) {
+    parts[p.part] = {{"bodies", p.bodies}, {"sureness", p.sureness}, {"reason", p.reason}};
+  }
   return {{"input", options.input},
           {"output", options.dry_run ? Json() : Json(options.output)},
-          {"parts", report.parts},
+          {"parts", parts},
           {"length_scale", report.length_scale},
           {"mass_scale", report.mass_scale},
           {"mass_before_kg", report.mass_before},
@@ -35,7 +44,10 @@ Json describe(const GraftReport& report, const GraftOptions& options) {
 }
 
 void print(const GraftReport& report) {
-  for (const std::string& part : report.parts) fmt::print(stderr, "{}\n", part);
+  for (const RecognisedPart& p : report.parts) {
+    fmt::print(stderr, "{:<16}{}: {} ({}){}\n", p.part, quoted(p.bodies), p.sureness, p.reason,
+               p.sureness == "unsure" ? "; if it is not, give '" + p.part + "' in a --map" : "");
+  }
   for (const GraftChange& c : report.changes) {
     fmt::print(stderr, "{:<9}{:<9} {}: {}\n", c.action, c.kind, c.name, c.detail);
   }
@@ -69,6 +81,18 @@ void addGraft(CLI::App& app) {
   command->add_option("-o,--output", options->graft.output, "MJCF file to write")->required();
   command->add_option("--prefix", options->graft.prefix, "Put before every name of the torso");
   command->add_option("--anatomy", options->anatomy, "Folder of the anatomy tables");
+  command->add_option("--map", options->graft.map,
+                      "JSON file that says which body is what, over what is recognised");
+  command->add_option("--write-map", options->graft.write_map,
+                      "Write what was recognised to this file, to be edited for --map");
+  command->add_flag("--group", options->graft.groups,
+                    "Add servos that bend the lumbar, thoracic and cervical levels together");
+  command
+      ->add_option("--timestep", options->graft.timestep,
+                   "Time step [s]; otherwise the humanoid's, but at most 1/600")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--keep-integrator", options->graft.keep_integrator,
+                    "Keep RK4, which is otherwise replaced by Euler");
   command->add_flag("--dry-run", options->graft.dry_run, "Report, but write nothing");
   command->add_flag("--json", options->json, "Print the report as JSON on stdout");
   command->callback([options] {

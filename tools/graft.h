@@ -5,13 +5,19 @@
 #include <vector>
 
 #include "model/anatomy.h"
+#include "tools/graft_host.h"
 
 namespace torso::tools {
 
 struct GraftOptions {
-  std::string input, output;  // MJCF files
-  std::string prefix;         // put before every name of the torso
-  bool dry_run = false;       // do all but write
+  std::string input, output;     // MJCF files
+  std::string prefix;            // put before every name of the torso
+  bool dry_run = false;          // do all but write
+  bool groups = false;           // servos of lumbar, thoracic and cervical levels together
+  std::string map;               // JSON file that says which body is what; "": recognise all
+  std::string write_map;         // write what was recognised to this file, to be edited
+  double timestep = 0;           // [s]; 0: the humanoid's, but at most 1/600
+  bool keep_integrator = false;  // do not replace RK4 by Euler
   std::string meshes;  // folder of the bone meshes of `torso build`; "": make them, some seconds
 };
 
@@ -24,7 +30,7 @@ struct GraftChange {
 };
 
 struct GraftReport {
-  std::vector<std::string> parts;   // what was recognised, and by what
+  std::vector<RecognisedPart> parts;
   double length_scale, mass_scale;  // of our torso, relative to the anatomy tables
   std::vector<GraftChange> changes;
   double mass_before, mass_after;                        // whole model [kg]

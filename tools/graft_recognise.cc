@@ -1,0 +1,563 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+
+// Which body of a humanoid is what.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/error.h"
+#include "tools/graft_host.h"
+
+namespace torso::tools {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+Vector3d vector3(const mjtNum* x) { return {x[0], x[1], x[2]}; }
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+int countWords(const std::string& text, std::initializer_list<const char*> words) {
+  return static_cast<int>(std::count_if(words.begin(), words.end(), [&](const char* word) {
+    return text.find(word) != std::string::npos;
+  }));
+}
+
+bool isClavicle(const std::string& name) {
+  return countWords(lower(name), {"clav", "collar", "thorax", "scap"}) > 0;
+}
+
+// -1: a is on the left of b by their names ("l_leg", "r_leg"), 1: on the right, 0: they do not say.
+int sideByName(const std::string& a, const std::string& b) {
+  const std::string x = lower(a), y = lower(b);
+  const std::size_t i = static_cast<std::size_t>(
+      std::mismatch(x.begin(), x.end(), y.begin(), y.end()).first - x.begin());
+  const std::string p = x.substr(i), q = y.substr(i);
+  const auto pair = [](const std::string& left, const std::string& right) {
+    return (left.rfind("left", 0) == 0 && right.rfind("right", 0) == 0 &&
+            left.substr(4) == right.substr(5)) ||
+           (left.rfind("l", 0) == 0 && right.rfind("r", 0) == 0 &&
+            left.substr(1) == right.substr(1));
+  };
+  return pair(p, q) ? -1 : pair(q, p) ? 1 : 0;
+}
+
+constexpr const char* kMapLimbs =
+    "; name 'left_thigh', 'right_thigh', 'left_upper_arm' and 'right_upper_arm' in a --map";
+
+// Parts of the trunk as the map calls them.
+const std::pair<const char*, TrunkPart> kTrunkParts[] = {
+    {"pelvis", TrunkPart::kPelvis},
+    {"waist", TrunkPart::kWaist},
+    {"chest", TrunkPart::kChest},
+    {"neck", TrunkPart::kNeck},
+    {"head", TrunkPart::kHead},
+    {"left_clavicle", TrunkPart::kLeftClavicle},
+    {"right_clavicle", TrunkPart::kRightClavicle}};
+
+// Where a body goes that the map does not count among a part: to the part below it.
+TrunkPart nearestEnd(TrunkPart part) {
+  return part == TrunkPart::kPelvis || part == TrunkPart::kWaist ? TrunkPart::kPelvis
+                                                                 : TrunkPart::kChest;
+}
+
+struct LimbPair {
+  std::array<int, 2> body;  // siblings, in the order of the file
+  int leg_words;            // words for legs less words for arms among its names
+  double mass;
+};
+
+class Recogniser {
+ public:
+  Recogniser(const Host& host, const BodyMap& map) : host_(host), map_(map), m_(host.model.get()) {}
+  HostParts run();
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { throw Error(host_.path + ": " + what); }
+  std::string name(int body) const { return "'" + host_.bodyName(body) + "'"; }
+  std::vector<int> below(int body) const;
+  bool mirror(int a, int b) const;
+  std::vector<LimbPair> limbPairs(int root) const;
+  int legWords(int limb) const;
+  // The first body of a limb that is no part of the trunk.
+  int limbStart(int body, bool arm) const;
+  int heaviestChild(int body) const;
+  // True if names say which side is left.
+  bool orderSides(const LimbPair& legs, const LimbPair& arms, HostParts& parts) const;
+  void nameTrunk(int pelvis, int chest, HostParts& parts);
+
+  // Bodies that the map gives for a part; throws if there is no such body.
+  bool isGiven(const std::string& part) const { return map_.bodies.count(part) > 0; }
+  std::vector<int> given(const std::string& part) const;
+  bool givenPair(const std::string& part, std::array<int, 2>& pair) const;
+  void findRoot(HostParts& parts, std::vector<LimbPair>& pairs) const;
+  void findLimbs(HostParts& parts);
+  void checkMap(const HostParts& parts) const;
+  void applyMap(HostParts& parts) const;
+  int commonAncestor(int a, int b) const;
+  void report(HostParts& parts, int pelvis, int chest) const;
+
+  const Host& host_;
+  const BodyMap& map_;
+  const mjModel* m_;
+  std::string leg_sureness_, leg_reason_, arm_sureness_, arm_reason_, head_sureness_, head_reason_;
+};
+
+std::vector<int> Recogniser::below(int body) const {
+  std::vector<int> bodies;
+  for (int b = body; b < m_->nbody; b++) {
+    if (host_.isBelow(b, body)) bodies.push_back(b);
+  }
+  return bodies;
+}
+
+bool Recogniser::mirror(int a, int b) const {
+  int dof[2] = {0, 0};
+  std::size_t count[2] = {0, 0};
+  for (int k = 0; k < 2; k++) {
+    const std::vector<int> bodies = below(k ? b : a);
+    count[k] = bodies.size();
+    for (int body : bodies) dof[k] += m_->body_dofnum[body];
+  }
+  if (std::min(count[0], count[1]) < 2 || std::min(dof[0], dof[1]) < 3) return false;
+  const double x = m_->body_subtreemass[a], y = m_->body_subtreemass[b];
+  return sideByName(host_.bodyName(a), host_.bodyName(b)) != 0 ||
+         (count[0] == count[1] && std::abs(x - y) < 0.05 * (x + y));
+}
+
+int Recogniser::legWords(int limb) const {
+  int words = 0;
+  for (int b : below(limb)) {
+    std::string names = host_.bodyName(b);
+    for (int j = 0; j < m_->body_jntnum[b]; j++) {
+      names += " " + nameOf(m_, mjOBJ_JOINT, m_->body_jntadr[b] + j);
+    }
+    names = lower(names);
+    words += countWords(
+        names, {"thigh", "hip", "femur", "leg", "knee", "shin", "tibia", "foot", "ankle", "toe"});
+    words -= countWords(names, {"arm", "shoulder", "humerus", "elbow", "clav", "collar", "wrist",
+                                "hand", "radius"});
+  }
+  return words;
+}
+
+std::vector<LimbPair> Recogniser::limbPairs(int root) const {
+  std::vector<LimbPair> pairs;
+  for (int parent : below(root)) {
+    const bool in_limb = std::any_of(pairs.begin(), pairs.end(), [&](const LimbPair& p) {
+      return host_.isBelow(parent, p.body[0]) || host_.isBelow(parent, p.body[1]);
+    });
+    if (in_limb) continue;
+    std::vector<int> children;
+    for (int b : below(parent)) {
+      if (b != parent && m_->body_parentid[b] == parent) children.push_back(b);
+    }
+    for (std::size_t i = 0; i < children.size(); i++) {
+      for (std::size_t k = i + 1; k < children.size(); k++) {
+        const int a = children[i], b = children[k];
+        if (!mirror(a, b)) continue;
+        pairs.push_back(
+            {{a, b}, legWords(a) + legWords(b), m_->body_subtreemass[a] + m_->body_subtreemass[b]});
+      }
+    }
+  }
+  return pairs;
+}
+
+int Recogniser::heaviestChild(int body) const {
+  int best = -1;
+  for (int b : below(body)) {
+    if (b == body || m_->body_parentid[b] != body) continue;
+    if (best < 0 || m_->body_subtreemass[b] > m_->body_subtreemass[best]) best = b;
+  }
+  return best;
+}
+
+int Recogniser::limbStart(int body, bool arm) const {
+  while (m_->body_jntnum[body] == 0 || (arm && isClavicle(host_.bodyName(body)))) {
+    const int next = heaviestChild(body);
+    if (next < 0) fail("the limb of " + name(body) + " has no joint" + kMapLimbs);
+    body = next;
+  }
+  return body;
+}
+
+// Sorts both pairs left, right.
+bool Recogniser::orderSides(const LimbPair& legs, const LimbPair& arms, HostParts& parts) const {
+  std::array<int, 2> leg = legs.body, arm = arms.body;
+  const int leg_side = sideByName(host_.bodyName(leg[0]), host_.bodyName(leg[1]));
+  const int arm_side = sideByName(host_.bodyName(arm[0]), host_.bodyName(arm[1]));
+  const auto at = [&](int b) { return host_.jointCentre(b); };
+  if (leg_side > 0) std::swap(leg[0], leg[1]);
+  if (leg_side == 0 && arm_side != 0) {
+    // As the arms: the leg on the side of the left arm is the left one.
+    const Vector3d left = (at(arm[0]) - at(arm[1])) * (arm_side < 0 ? 1 : -1);
+    if ((at(leg[0]) - at(leg[1])).dot(left) < 0) std::swap(leg[0], leg[1]);
+  } else if (leg_side == 0) {
+    // The feet, at the ends of the legs, point forward.
+    const Vector3d up = 0.5 * (at(arm[0]) + at(arm[1]) - at(leg[0]) - at(leg[1]));
+    Vector3d forward = Vector3d::Zero();
+    for (int b : leg) {
+      while (heaviestChild(b) >= 0) b = heaviestChild(b);
+      forward += vector3(host_.data->xipos + 3 * b) - host_.pose(b).translation();
+    }
+    forward -= forward.dot(up) / up.squaredNorm() * up;
+    if (forward.norm() < 0.01) {
+      fail("cannot tell left from right: neither the names of " + name(leg[0]) + " and " +
+           name(leg[1]) + " nor the feet say it" + kMapLimbs);
+    }
+    if ((at(leg[0]) - at(leg[1])).dot(up.cross(forward)) < 0) std::swap(leg[0], leg[1]);
+  }
+  const Vector3d left = at(leg[0]) - at(leg[1]);
+  if ((at(arm[0]) - at(arm[1])).dot(left) < 0) std::swap(arm[0], arm[1]);
+  parts.thigh = leg;
+  parts.upper_arm = arm;
+  return leg_side != 0 || arm_side != 0;
+}
+
+void Recogniser::nameTrunk(int pelvis, int chest, HostParts& parts) {
+  const auto isLimb = [&](int b) {
+    for (const auto& limbs : {parts.thigh, parts.upper_arm}) {
+      for (int limb : limbs) {
+        if (host_.isBelow(b, limb)) return true;
+      }
+    }
+    return false;
+  };
+  const Vector3d mid_shoulder = 0.5 * (parts.shoulder[0] + parts.shoulder[1]);
+  const Vector3d up = (mid_shoulder - 0.5 * (parts.hip[0] + parts.hip[1])).normalized();
+  parts.trunk[pelvis] = TrunkPart::kPelvis;
+  if (chest != pelvis) parts.trunk[chest] = TrunkPart::kChest;
+  // Between a joint of the limb and pelvis or chest.
+  for (int k = 0; k < 2; k++) {
+    for (int b = m_->body_parentid[parts.thigh[k]]; b > 0 && b != pelvis; b = m_->body_parentid[b])
+      parts.trunk.emplace(b, TrunkPart::kPelvis);
+    for (int b = m_->body_parentid[parts.upper_arm[k]]; b > 0 && b != chest;
+         b = m_->body_parentid[b]) {
+      parts.trunk.emplace(b, k ? TrunkPart::kRightClavicle : TrunkPart::kLeftClavicle);
+    }
+  }
+
+  int head = -1, candidates = 0;
+  double highest = 0;
+  bool by_name = false;
+  for (int b : below(parts.root)) {
+    if (isLimb(b) || parts.trunk.count(b)) continue;
+    const double height = (vector3(host_.data->xipos + 3 * b) - mid_shoulder).dot(up);
+    const bool named = countWords(lower(host_.bodyName(b)), {"head", "skull"}) > 0;
+    candidates += height > 0 && m_->body_parentid[b] == chest;
+    if (named && (head < 0 || !by_name || host_.isBelow(head, b))) {
+      head = b;
+      by_name = true;
+    } else if (!by_name && height > highest) {
+      head = b;
+      highest = height;
+    }
+  }
+  head_sureness_ = by_name ? "sure" : candidates > 1 ? "unsure" : "likely";
+  head_reason_ = by_name     ? "its name"
+                 : head >= 0 ? "the highest body above the shoulders"
+                             : "no body is above the shoulders; it is part of the chest";
+  if (isGiven("head")) {
+    const std::vector<int> heads = given("head");
+    head = heads.empty() ? -1 : heads[0];
+  }
+  if (head >= 0) {
+    parts.trunk[head] = TrunkPart::kHead;
+    for (int b = m_->body_parentid[head]; b > 0 && !parts.trunk.count(b);
+         b = m_->body_parentid[b]) {
+      parts.trunk[b] = TrunkPart::kNeck;
+    }
+  }
+  // Between pelvis and chest, whichever is the ancestor.
+  for (int end : {pelvis, chest}) {
+    const int other = end == pelvis ? chest : pelvis;
+    if (!host_.isBelow(end, other)) continue;
+    for (int b = m_->body_parentid[end]; b > 0 && b != other; b = m_->body_parentid[b]) {
+      parts.trunk.emplace(b, TrunkPart::kWaist);
+    }
+  }
+  applyMap(parts);
+  for (int b : below(parts.root)) {
+    if (isLimb(b) || parts.trunk.count(b)) continue;
+    const auto parent = parts.trunk.find(m_->body_parentid[b]);
+    parts.trunk[b] = parent == parts.trunk.end() ? TrunkPart::kPelvis : parent->second;
+  }
+}
+
+std::vector<int> Recogniser::given(const std::string& part) const {
+  std::vector<int> bodies;
+  const auto found = map_.bodies.find(part);
+  if (found == map_.bodies.end()) return bodies;
+  for (const std::string& body : found->second) {
+    bodies.push_back(mj_name2id(m_, mjOBJ_BODY, body.c_str()));
+    if (bodies.back() <= 0) {
+      throw Error(fmt::format("{}: '{}': {} has no body '{}'", map_.path, part, host_.path, body));
+    }
+  }
+  return bodies;
+}
+
+bool Recogniser::givenPair(const std::string& part, std::array<int, 2>& pair) const {
+  const std::string left = "left_" + part, right = "right_" + part;
+  if (!isGiven(left) && !isGiven(right)) return false;
+  if (!isGiven(left) || !isGiven(right)) {
+    throw Error(fmt::format("{}: give both of '{}' and '{}', or neither", map_.path, left, right));
+  }
+  pair = {given(left).at(0), given(right).at(0)};
+  if (host_.isBelow(pair[0], pair[1]) || host_.isBelow(pair[1], pair[0])) {
+    throw Error(fmt::format("{}: '{}' and '{}' are not two limbs", map_.path, left, right));
+  }
+  return true;
+}
+
+// Bodies that the map gives for the trunk are of the trunk.
+void Recogniser::checkMap(const HostParts& parts) const {
+  for (const auto& [name, part] : kTrunkParts) {
+    for (int body : given(name)) {
+      for (int limb : {parts.thigh[0], parts.thigh[1], parts.upper_arm[0], parts.upper_arm[1]}) {
+        if (host_.isBelow(body, limb)) {
+          throw Error(fmt::format("{}: body '{}' of the trunk is part of the limb '{}'", map_.path,
+                                  host_.bodyName(body), host_.bodyName(limb)));
+        }
+      }
+    }
+  }
+}
+
+// What the map gives for the trunk, over what was recognised.
+void Recogniser::applyMap(HostParts& parts) const {
+  for (const auto& [name, part] : kTrunkParts) {
+    if (!isGiven(name)) continue;
+    for (auto& [body, is] : parts.trunk) {
+      if (is == part) is = nearestEnd(part);
+    }
+    for (int b : given(name)) {
+      // A rigid trunk is pelvis and chest.
+      if (part != TrunkPart::kChest || given("pelvis") != given("chest")) parts.trunk[b] = part;
+    }
+  }
+}
+
+int Recogniser::commonAncestor(int a, int b) const {
+  while (!host_.isBelow(b, a)) a = m_->body_parentid[a];
+  return a;
+}
+
+// The child of the world that holds the humanoid, and its pairs of limbs.
+void Recogniser::findRoot(HostParts& parts, std::vector<LimbPair>& pairs) const {
+  parts.root = -1;
+  for (const std::string& part : bodyMapParts()) {
+    for (int b : given(part)) {
+      while (m_->body_parentid[b] > 0) b = m_->body_parentid[b];
+      if (parts.root < 0) parts.root = b;
+      if (parts.root != b) {
+        throw Error(fmt::format("{}: its bodies are in two trees, of {} and {}", map_.path,
+                                name(parts.root), name(b)));
+      }
+    }
+  }
+  if (parts.root >= 0) {
+    pairs = limbPairs(parts.root);
+    return;
+  }
+  std::vector<int> others;
+  for (int b = 1; b < m_->nbody; b++) {
+    if (m_->body_parentid[b] != 0) continue;
+    const std::vector<LimbPair> found = limbPairs(b);
+    if (found.size() >= 2) others.push_back(b);
+    if (parts.root < 0 || found.size() > pairs.size()) {
+      parts.root = b;
+      pairs = found;
+    }
+  }
+  if (parts.root < 0) fail("no bodies; give the MJCF of a humanoid");
+  if (others.size() > 1) {
+    fail("several humanoids (" + name(others[0]) + ", " + name(others[1]) +
+         (others.size() > 2 ? ", ..." : "") +
+         "); give a file with one, or name the 'pelvis' of one in a --map");
+  }
+}
+
+void Recogniser::findLimbs(HostParts& parts) {
+  std::vector<LimbPair> pairs;
+  findRoot(parts, pairs);
+  std::sort(pairs.begin(), pairs.end(), [](const LimbPair& a, const LimbPair& b) {
+    return std::pair(a.leg_words, a.mass) > std::pair(b.leg_words, b.mass);
+  });
+  LimbPair legs = {}, arms = {};
+  const bool legs_given = givenPair("thigh", legs.body);
+  const bool arms_given = givenPair("upper_arm", arms.body);
+  const auto overlap = [&](const LimbPair& p, const LimbPair& q) {
+    for (int a : p.body) {
+      for (int b : q.body) {
+        if (host_.isBelow(a, b) || host_.isBelow(b, a)) return true;
+      }
+    }
+    return false;
+  };
+  if (legs_given || arms_given) {
+    pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                               [&](const LimbPair& p) {
+                                 return (legs_given && overlap(p, legs)) ||
+                                        (arms_given && overlap(p, arms));
+                               }),
+                pairs.end());
+  }
+  if (legs_given && arms_given && overlap(legs, arms)) {
+    throw Error(map_.path + ": thighs and upper arms are parts of each other");
+  }
+  if (!legs_given && !arms_given) {
+    if (pairs.empty()) {
+      fail("no arms and no legs: no two bodies below " + name(parts.root) +
+           " mirror each other; this is no humanoid, or a --map must name its 'left_thigh', "
+           "'right_thigh', 'left_upper_arm' and 'right_upper_arm'");
+    }
+    legs = pairs.front(), arms = pairs.back();
+    const bool no_legs = legs.leg_words < 0;
+    const std::string missing = no_legs ? "no thighs" : "no arms";
+    const std::string mend = fmt::format("; if it has, name 'left_{0}' and 'right_{0}' in a --map",
+                                         no_legs ? "thigh" : "upper_arm");
+    if (pairs.size() == 1) {
+      fail(fmt::format("{}: {} and {} are the only pair of limbs{}", missing, name(legs.body[0]),
+                       name(legs.body[1]), mend));
+    }
+    if (arms.leg_words > 0 || no_legs) {
+      fail(fmt::format("{}: {} and {} are {} too{}", missing, name(arms.body[0]),
+                       name(legs.body[0]), no_legs ? "arms" : "legs", mend));
+    }
+  } else if (!legs_given || !arms_given) {
+    if (pairs.empty()) {
+      fail(fmt::format("no pair of limbs beside those of the map; name 'left_{0}' and 'right_{0}'",
+                       legs_given ? "upper_arm" : "thigh"));
+    }
+    (legs_given ? arms : legs) = legs_given ? pairs.back() : pairs.front();
+  }
+  bool sides = true;
+  if (legs_given && arms_given) {
+    parts.thigh = legs.body;
+    parts.upper_arm = arms.body;
+  } else {
+    sides = orderSides(legs, arms, parts);
+    if (legs_given) parts.thigh = legs.body;
+    if (arms_given) parts.upper_arm = arms.body;
+  }
+  const auto judge = [&](bool is_given, const LimbPair& limbs, std::string& sureness,
+                         std::string& reason) {
+    const bool named = limbs.leg_words != 0;
+    sureness = is_given                     ? "given"
+               : named && sides             ? "sure"
+               : named || pairs.size() <= 2 ? "likely"
+                                            : "unsure";
+    reason = fmt::format("{}, {}", named ? "names" : "masses of the pairs of limbs",
+                         sides ? "sides by name" : "sides by where the feet point");
+    if (is_given) reason = map_.path;
+  };
+  judge(legs_given, legs, leg_sureness_, leg_reason_);
+  judge(arms_given, arms, arm_sureness_, arm_reason_);
+  for (int k = 0; k < 2; k++) {
+    if (!legs_given) parts.thigh[k] = limbStart(parts.thigh[k], false);
+    if (!arms_given) parts.upper_arm[k] = limbStart(parts.upper_arm[k], true);
+    parts.hip[k] = host_.jointCentre(parts.thigh[k]);
+    parts.shoulder[k] = host_.jointCentre(parts.upper_arm[k]);
+    for (int limb : {parts.thigh[k], parts.upper_arm[k]}) {
+      if (limb == parts.root) fail(name(limb) + " cannot be a limb: it is the root");
+    }
+  }
+}
+
+void Recogniser::report(HostParts& parts, int pelvis, int chest) const {
+  const auto add = [&](const std::string& part, const std::vector<int>& bodies,
+                       std::string sureness, std::string reason) {
+    if (isGiven(part)) sureness = "given", reason = map_.path;
+    std::vector<std::string> names;
+    for (int b : bodies) names.push_back(host_.bodyName(b));
+    parts.recognised.push_back({part, names, sureness, reason});
+  };
+  const auto of = [&](TrunkPart part) {
+    std::vector<int> bodies;
+    for (const auto& [body, is] : parts.trunk) {
+      if (is == part) bodies.push_back(body);
+    }
+    return bodies;
+  };
+  const auto named = [&](int body, std::initializer_list<const char*> words) {
+    return countWords(lower(host_.bodyName(body)), words) > 0;
+  };
+  const auto end = [&](const std::string& part, int body, bool by_name, const char* where) {
+    const std::vector<int> bodies = isGiven(part) ? given(part) : std::vector<int>{body};
+    add(part, bodies, by_name ? "sure" : "likely", by_name ? "its name and its place" : where);
+  };
+  end("pelvis", pelvis, named(pelvis, {"pelvis", "hip", "root", "sacrum"}), "the legs are on it");
+  add("waist", of(TrunkPart::kWaist), "sure", "between pelvis and chest");
+  end("chest", chest, named(chest, {"chest", "thorax", "torso", "trunk", "rib", "back"}),
+      "the arms are on it");
+  add("neck", of(TrunkPart::kNeck), head_sureness_, "between chest and head");
+  std::vector<int> head = of(TrunkPart::kHead);
+  if (!head.empty()) head.resize(1);
+  add("head", head, head_sureness_, head_reason_);
+  add("left_clavicle", of(TrunkPart::kLeftClavicle), arm_sureness_, "before the upper arm");
+  add("right_clavicle", of(TrunkPart::kRightClavicle), arm_sureness_, "before the upper arm");
+  add("left_thigh", {parts.thigh[0]}, leg_sureness_, leg_reason_);
+  add("right_thigh", {parts.thigh[1]}, leg_sureness_, leg_reason_);
+  add("left_upper_arm", {parts.upper_arm[0]}, arm_sureness_, arm_reason_);
+  add("right_upper_arm", {parts.upper_arm[1]}, arm_sureness_, arm_reason_);
+}
+
+HostParts Recogniser::run() {
+  HostParts parts;
+  findLimbs(parts);
+  const std::vector<int> given_pelvis = given("pelvis"), given_chest = given("chest");
+  const int pelvis =
+      given_pelvis.empty() ? commonAncestor(parts.thigh[0], parts.thigh[1]) : given_pelvis[0];
+  const int chest =
+      given_chest.empty() ? commonAncestor(parts.upper_arm[0], parts.upper_arm[1]) : given_chest[0];
+  const auto checkAbove = [&](const char* part, int body, const std::array<int, 2>& limbs) {
+    for (int limb : limbs) {
+      if (body == limb || !host_.isBelow(limb, body)) {
+        throw Error(
+            fmt::format("{}: '{}': {} does not carry {}", map_.path, part, name(body), name(limb)));
+      }
+    }
+  };
+  checkMap(parts);
+  checkAbove("pelvis", pelvis, parts.thigh);
+  checkAbove("chest", chest, parts.upper_arm);
+  const Vector3d hip = 0.5 * (parts.hip[0] + parts.hip[1]);
+  const Vector3d up = 0.5 * (parts.shoulder[0] + parts.shoulder[1]) - hip;
+  if (!(up.norm() > 1e-3)) fail("the shoulders are where the hips are");
+  const Vector3d left = parts.hip[0] - parts.hip[1] + parts.shoulder[0] - parts.shoulder[1];
+  if (!(left.cross(up).norm() > 1e-3 * up.norm())) fail("left and right limbs are at one place");
+  Vector3d leg = Vector3d::Zero();
+  for (int k = 0; k < 2; k++) {
+    leg += 0.5 * vector3(host_.data->subtree_com + 3 * parts.thigh[k]);
+  }
+  leg -= hip;
+  if (leg.dot(up) > -0.3 * leg.norm() * up.norm()) {
+    fail("in its pose qpos0 the legs are not below the trunk; is it a biped?");
+  }
+  nameTrunk(pelvis, chest, parts);
+  report(parts, pelvis, chest);
+  return parts;
+}
+
+}  // namespace
+
+HostParts recognise(const Host& host, const BodyMap& map) { return Recogniser(host, map).run(); }
+
+Matrix3d trunkAxes(const std::array<Vector3d, 2>& hip, const std::array<Vector3d, 2>& shoulder) {
+  const Vector3d up = (shoulder[0] + shoulder[1] - hip[0] - hip[1]).normalized();
+  Vector3d left = hip[0] - hip[1] + shoulder[0] - shoulder[1];
+  left = (left - left.dot(up) * up).normalized();
+  Matrix3d axes;
+  axes << left.cross(up), left, up;
+  return axes;
+}
+
+}  // namespace torso::tools
