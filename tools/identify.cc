@@ -2,8 +2,9 @@
 #include "tools/identify.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
-#include <map>
+#include <iterator>
 
 #include "model/ligament.h"
 #include "model/parallel.h"
@@ -40,40 +41,76 @@ SegmentPose poseAt(const std::vector<SegmentPose>& poses, double angle) {
   return poses.back();
 }
 
-struct Level {
-  std::vector<LigamentLength> lengths;
-  std::vector<LevelReach> reach;
-};
+constexpr int kNumTurns = static_cast<int>(std::size(kTurns));
+using Angles = std::array<double, kNumTurns>;
 
-Level identifyLevel(const Anatomy& anatomy, const Disc& disc) {
-  SegmentBench bench(anatomy, disc.name, {false, true});
-  std::map<std::string, std::string> pairs;
-  for (const Ligament& ligament : anatomy.ligaments) pairs[ligament.name] = ligamentPair(ligament);
-  std::map<std::string, LigamentLength> found;
-  Level level;
-  for (const Turn turn : kTurns) {
-    const double target = anatomy.range_of_motion.at(disc.name)[motionOf(turn)].mean;
-    const auto poses = bench.load(turn, laboratoryMoment(disc.region), kSteps);
-    const SegmentPose extreme = poseAt(poses, target);
-    level.reach.push_back({disc.name, turn, target, extreme.angle});
-    for (std::size_t k = 0; k < bench.ligaments().size(); k++) {
-      const std::string& pair = pairs.at(bench.ligaments()[k]);
-      const double rest = poses.front().ligament_lengths[k];
-      LigamentLength& length =
-          found.try_emplace(pair, LigamentLength{disc.name, pair, rest, kLeastRatio * rest, turn})
-              .first->second;
-      if (extreme.ligament_lengths[k] <= length.max) continue;
-      length.max = extreme.ligament_lengths[k];
-      length.turn = turn;
+// One level on the bench.
+class Level {
+ public:
+  Level(const Anatomy& anatomy, const Disc& disc) : anatomy_(anatomy), disc_(disc) {
+    SegmentBench bench(anatomy, disc.name, {false, true});
+    for (const std::string& name : bench.ligaments()) {
+      for (const Ligament& ligament : anatomy.ligaments) {
+        if (ligament.name == name) pairs_.push_back(ligamentPair(ligament));
+      }
+    }
+    for (int k = 0; k < kNumTurns; k++) {
+      target_[k] = anatomy.range_of_motion.at(disc.name)[motionOf(kTurns[k])].mean;
+      poses_[k] = bench.load(kTurns[k], laboratoryMoment(disc.region), kSteps);
+      reach_.push_back(
+          {disc.name, kTurns[k], target_[k], std::min(target_[k], poses_[k].back().angle)});
     }
   }
-  for (const Ligament& ligament : anatomy.ligaments) {
-    const auto it = found.find(ligamentPair(ligament));
-    if (ligament.side == Side::kRight || it == found.end()) continue;
-    level.lengths.push_back(it->second);
+
+  const std::vector<LevelReach>& reach() const { return reach_; }
+
+  // Ligaments give way a little before they hold. So the poses in which they are measured are drawn
+  // back until the segment with them turns by its target.
+  std::vector<LigamentLength> identify() const {
+    constexpr int kPasses = 4;
+    Angles aim = target_;
+    std::vector<LigamentLength> lengths = longest(aim);
+    for (int pass = 1; pass < kPasses; pass++) {
+      SegmentBench bench(withLengths(anatomy_, lengths), disc_.name);
+      for (int k = 0; k < kNumTurns; k++) {
+        const double angle = bench.load(kTurns[k], laboratoryMoment(disc_.region), 1).back().angle;
+        aim[k] = std::clamp(aim[k] - (angle - target_[k]), 0.3 * target_[k], target_[k]);
+      }
+      lengths = longest(aim);
+    }
+    return lengths;
   }
-  return level;
-}
+
+ private:
+  // Each ligament's longest over the poses at these angles.
+  std::vector<LigamentLength> longest(const Angles& angles) const {
+    std::vector<LigamentLength> lengths;
+    for (int k = 0; k < kNumTurns; k++) {
+      const SegmentPose extreme = poseAt(poses_[k], angles[k]);
+      for (std::size_t i = 0; i < pairs_.size(); i++) {
+        auto length = std::find_if(lengths.begin(), lengths.end(), [&](const LigamentLength& l) {
+          return l.ligament == pairs_[i];
+        });
+        if (length == lengths.end()) {
+          const double rest = poses_[k].front().ligament_lengths[i];
+          lengths.push_back({disc_.name, pairs_[i], rest, kLeastRatio * rest, kTurns[k]});
+          length = std::prev(lengths.end());
+        }
+        if (extreme.ligament_lengths[i] <= length->max) continue;
+        length->max = extreme.ligament_lengths[i];
+        length->turn = kTurns[k];
+      }
+    }
+    return lengths;
+  }
+
+  const Anatomy& anatomy_;
+  const Disc& disc_;
+  std::vector<std::string> pairs_;  // of the bench's ligaments
+  Angles target_;
+  std::array<std::vector<SegmentPose>, kNumTurns> poses_;  // without ligaments
+  std::vector<LevelReach> reach_;
+};
 
 }  // namespace
 
@@ -84,14 +121,15 @@ Identification identifyLigaments(const Anatomy& anatomy, int threads,
     if (disc.upper != anatomy.c2.name) discs.push_back(&disc);  // C2/C3 has no ligaments
   }
   const int n = static_cast<int>(discs.size());
-  std::vector<Level> levels(n);
+  std::vector<Identification> levels(n);
   std::atomic<int> done{0};
   forEach(n, threads, [&](int i) {
-    levels[i] = identifyLevel(anatomy, *discs[i]);
+    const Level level(anatomy, *discs[i]);
+    levels[i] = {level.identify(), level.reach()};
     progress(static_cast<double>(++done) / n);
   });
   Identification result;
-  for (const Level& level : levels) {
+  for (const Identification& level : levels) {
     result.lengths.insert(result.lengths.end(), level.lengths.begin(), level.lengths.end());
     result.reach.insert(result.reach.end(), level.reach.begin(), level.reach.end());
   }
