@@ -82,7 +82,7 @@ void identify(const Options& options) {
   Identification result;
   {
     const ProgressBar bar;
-    result = identifyLigaments(anatomy, threads, [&bar](double share) { bar.show(share); });
+    result = identifyLigaments(anatomy, {}, threads, [&bar](double share) { bar.show(share); });
   }
   const std::string path = folder + "/" + kTable;
   writeFile(path, table(result));

@@ -114,11 +114,14 @@ class Level {
 
 }  // namespace
 
-Identification identifyLigaments(const Anatomy& anatomy, int threads,
-                                 const std::function<void(double)>& progress) {
+Identification identifyLigaments(const Anatomy& anatomy, const std::vector<std::string>& names,
+                                 int threads, const std::function<void(double)>& progress) {
   std::vector<const Disc*> discs;
   for (const Disc& disc : anatomy.discs) {
-    if (disc.upper != anatomy.c2.name) discs.push_back(&disc);  // C2/C3 has no ligaments
+    if (disc.upper == anatomy.c2.name) continue;  // C2/C3 has no ligaments
+    if (names.empty() || std::find(names.begin(), names.end(), disc.name) != names.end()) {
+      discs.push_back(&disc);
+    }
   }
   const int n = static_cast<int>(discs.size());
   std::vector<Identification> levels(n);
