@@ -134,7 +134,21 @@ DiscTest readDiscTest(const CsvTable& t, int i) {
   return d;
 }
 
+const std::vector<std::string>& motionNames() {
+  static const std::vector<std::string> names = {"flexion", "extension", "flexion_extension",
+                                                 "lateral_bending", "axial_rotation"};
+  return names;
+}
+
 }  // namespace
+
+const std::string& motionName(Motion motion) { return motionNames()[motion]; }
+
+std::string ligamentPair(const Ligament& ligament) {
+  const std::size_t side =
+      ligament.side == Side::kMiddle ? std::string::npos : ligament.name.rfind('_');
+  return ligament.name.substr(0, side);
+}
 
 const std::string& regionName(Region region) { return kRegionNames[static_cast<int>(region)]; }
 
@@ -223,11 +237,19 @@ Anatomy Anatomy::load(const std::string& folder) {
   const CsvTable ligaments(folder + "/ligaments.csv");
   for (int i = 0; i < ligaments.rows(); i++) {
     const std::string& side = ligaments.text(i, "side");
-    a.ligaments.push_back({ligaments.text(i, "ligament"), ligaments.text(i, "group"),
+    a.ligaments.push_back({ligaments.text(i, "ligament"),
+                           ligaments.text(i, "group"),
                            side == "left"    ? Side::kLeft
                            : side == "right" ? Side::kRight
                                              : Side::kMiddle,
-                           ligaments.number(i, "max_length_ratio")});
+                           {}});
+  }
+  const CsvTable lengths(folder + "/ligament_lengths.csv");
+  for (Ligament& ligament : a.ligaments) {
+    for (int i = 0; i < lengths.rows(); i++) {
+      ligament.max_length_ratio[lengths.text(i, "disc")] =
+          lengths.number(i, ligamentPair(ligament));
+    }
   }
 
   const CsvTable segments(folder + "/segments.csv");
@@ -274,9 +296,13 @@ Anatomy Anatomy::load(const std::string& folder) {
 
   const CsvTable rom(folder + "/range_of_motion.csv");
   for (int i = 0; i < rom.rows(); i++) {
-    a.range_of_motion[rom.text(i, "disc")] = {
-        rom.number(i, "flexion_deg") * kDeg, rom.number(i, "extension_deg") * kDeg,
-        rom.number(i, "lateral_bending_deg") * kDeg, rom.number(i, "axial_rotation_deg") * kDeg};
+    MotionRange& range =
+        a.range_of_motion[rom.text(i, "disc")][rom.word(i, "motion", motionNames())];
+    range = {rom.number(i, "mean_deg") * kDeg, rom.number(i, "low_deg") * kDeg,
+             rom.number(i, "high_deg") * kDeg, rom.text(i, "sources")};
+    if (!(0 <= range.low && range.low <= range.mean && range.mean <= range.high)) {
+      throw std::runtime_error(rom.where(i) + ": low_deg <= mean_deg <= high_deg must hold");
+    }
   }
 
   const CsvTable disc_tests(folder + "/disc_tests.csv");

@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -76,7 +77,7 @@ struct CostalJoint {
 struct Ligament {
   std::string name, group;
   Side side;
-  double max_length_ratio;  // l_max over the length at rest
+  std::map<std::string, double> max_length_ratio;  // by disc: l_max over the length at rest
 };
 
 struct Segment {  // a body that is not a vertebra; left side of a pair
@@ -102,9 +103,25 @@ struct Servo {        // left side of a pair
   double kp, kv, force_limit;
 };
 
-struct RangeOfMotion {  // [rad], > 0
-  double flexion, extension, lateral_bending, axial_rotation;
+// Name without the side: "ALL_lat" of "ALL_lat_left"; column of ligament_lengths.csv.
+std::string ligamentPair(const Ligament& ligament);
+
+// Motions of a level; lateral bending and axial rotation to one side.
+enum Motion {
+  kFlexion,
+  kExtension,
+  kFlexionExtension,
+  kLateralBending,
+  kAxialRotation,
+  kNumMotions
 };
+const std::string& motionName(Motion motion);  // "flexion" ... as in range_of_motion.csv
+
+struct MotionRange {  // published [rad], 0 <= low <= mean <= high
+  double mean, low, high;
+  std::string sources;
+};
+using RangeOfMotion = std::array<MotionRange, kNumMotions>;
 
 // A published in-vitro test of discs, or of whole motion segments, of one region; what the columns
 // mean is told at the top of disc_tests.csv.

@@ -14,8 +14,12 @@ constexpr double kBand = 0.2;  // Lee et al. 2023, equation 6
 
 // Half axes of a facet's ellipsoid over the face's width and height. The face is the middle of a
 // shell that is large enough for the opposite face to glide over in full flexion (about half its
-// height), and as thick as the process that carries it. Assumed.
-constexpr double kWidthFactor = 1.2, kHeightFactor = 1.5, kThicknessFactor = 0.3;
+// height). A tenth of the half thickness is what the band lets the faces part and close: their
+// capsule's slack and cartilage. Assumed, with torso rom: lumbar and thoracic segments then turn
+// about their axis, and cervical ones flex, as far as measured.
+constexpr double kWidthFactor = 1.2, kHeightFactor = 1.5;
+constexpr double kThicknessFactor = 0.5, kCervicalThicknessFactor = 0.9;
+constexpr double kCostalThicknessFactor = 0.3;
 
 // Frame with z along `normal`, x as level as can be.
 Matrix3d faceAxes(const Vector3d& normal) {
@@ -59,14 +63,15 @@ std::array<Vector3d, 4> facePoints(const Isometry3d& X, const Vector3d& radii, d
   return points;
 }
 
-// Flat ellipsoid whose apex is the centre of a face.
-Facet faceFacet(const Vector3d& position, const Vector3d& normal, double width, double height) {
+// Flat ellipsoid whose apex is the centre of a face; thickness: half of it, over the height.
+Facet faceFacet(const Vector3d& position, const Vector3d& normal, double width, double height,
+                double thickness) {
   Facet f;
-  f.radii = {kWidthFactor * width, kHeightFactor * height, kThicknessFactor * height};
+  f.radii = {kWidthFactor * width, kHeightFactor * height, thickness * height};
   f.ellipsoid = Isometry3d::Identity();
   f.ellipsoid.linear() = faceAxes(normal);
   f.ellipsoid.translation() = position - f.radii.z() * normal;
-  f.points = facePoints(f.ellipsoid, f.radii, width / 4, height / 4);
+  f.points = facePoints(f.ellipsoid, f.radii, width / 4, height / 8);
   f.band = kBand;
   return f;
 }
@@ -77,7 +82,9 @@ void addZygapophyseal(const Anatomy& a, std::vector<Facet>& facets) {
     for (const ArticularFacet& face : a.facets) {
       if (face.level != disc.lower) continue;
       const Isometry3d X = a.boneFrame(face.level);
-      Facet f = faceFacet(X * face.position, X.linear() * face.normal, face.width, face.height);
+      const bool cervical = disc.region == Region::kCervical;
+      Facet f = faceFacet(X * face.position, X.linear() * face.normal, face.width, face.height,
+                          cervical ? kCervicalThicknessFactor : kThicknessFactor);
       f.kind = Facet::Kind::kZygapophyseal;
       f.name = disc.name + "_left";
       f.points_body = disc.upper;
@@ -98,7 +105,8 @@ void addCostal(const Anatomy& a, std::vector<Facet>& facets) {
     Facet f;
     if (joint.costotransverse) {
       const Vector3d normal = Vector3d(1, 0.4, 0.1).normalized();
-      f = faceFacet(X * joint.position, X.linear() * normal, kTubercleWidth, kTubercleHeight);
+      f = faceFacet(X * joint.position, X.linear() * normal, kTubercleWidth, kTubercleHeight,
+                    kCostalThicknessFactor);
       f.kind = Facet::Kind::kCostotransverse;
       f.name = joint.level + "_costotransverse_left";
     } else {

@@ -155,7 +155,8 @@ std::vector<LigamentSegment> makeLigaments(const Anatomy& anatomy) {
       }
       s.lower_point *= scale;
       s.upper_point *= scale;
-      s.max_length = ligament.max_length_ratio * (s.upper_point - s.lower_point).norm();
+      s.max_length =
+          ligament.max_length_ratio.at(disc.name) * (s.upper_point - s.lower_point).norm();
       segments.push_back(s);
     }
   }

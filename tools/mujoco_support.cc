@@ -76,6 +76,31 @@ ModelPtr loadModel(const std::string& path) {
   return m;
 }
 
+ModelPtr compileModel(const std::string& mjcf, const std::string& name) {
+  struct Files {
+    mjVFS vfs;
+    ~Files() { mj_deleteVFS(&vfs); }
+  };
+  const auto files = std::make_unique<Files>();  // large
+  mj_defaultVFS(&files->vfs);
+  const std::string file = name + ".xml";
+  const int size = static_cast<int>(mjcf.size());
+  if (mj_makeEmptyFileVFS(&files->vfs, file.c_str(), size) != 0) {
+    throw Error(name + ": the model is too large");
+  }
+  const int slot = mj_findFileVFS(&files->vfs, file.c_str());
+  std::copy(mjcf.begin(), mjcf.end(), static_cast<char*>(files->vfs.filedata[slot]));
+  char error[1000] = "";
+  ModelPtr m;
+  try {
+    m.reset(mj_loadXML(file.c_str(), &files->vfs, error, sizeof(error)));
+    if (!m) throw Error(*error ? error : "not a model");
+  } catch (const Error& e) {
+    throw Error(name + ": MuJoCo cannot load this model: " + oneLine(e.what()));
+  }
+  return m;
+}
+
 DataPtr makeData(const mjModel* m) {
   DataPtr d(mj_makeData(m));
   if (!d) throw Error("not enough memory for the simulation state");

@@ -33,6 +33,8 @@ std::string firstWarning(const mjData* d);
 
 // Load a model from MJCF, URDF or MJB. Throws Error "<path>: ..." if it cannot.
 ModelPtr loadModel(const std::string& path);
+// The same from the text of an MJCF file without other files; messages begin with `name`.
+ModelPtr compileModel(const std::string& mjcf, const std::string& name);
 // Throws Error if there is not enough memory.
 DataPtr makeData(const mjModel* m);
 

@@ -25,7 +25,9 @@ int main(int argc, char** argv) {
     return fmt::format("torso {}, MuJoCo {}", torso_versionString(), mj_versionString());
   });
   addBuild(app);
+  addIdentify(app);
   addInfo(app);
+  addRom(app);
   addRun(app);
   addView(app);
   addRender(app);

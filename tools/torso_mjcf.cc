@@ -57,6 +57,10 @@ class Writer {
   void write();
 
  private:
+  // Is the body, of either side, among those that are written?
+  bool has(const std::string& body) const {
+    return o_.only.empty() || std::find(o_.only.begin(), o_.only.end(), body) != o_.only.end();
+  }
   bool detailed() const { return o_.kind == TorsoKind::kDetailed; }
   std::string named(const std::string& name) const { return o_.prefix + name; }
   // Body in which a body of the anatomy is moulded: itself, or the one rigid torso.
@@ -93,7 +97,8 @@ class Writer {
   std::map<std::string, XMLElement*> bodies_, facet_bodies_;
   std::vector<Facet> facets_;
   std::vector<LigamentSegment> ligaments_;
-  std::vector<DiscMesh> discs_;
+  std::vector<Disc> levels_;
+  std::vector<DiscMesh> discs_;  // of levels_
 };
 
 bool isRigidPart(const std::string& body) {
@@ -108,9 +113,17 @@ std::string Writer::host(const std::string& body) const {
 void Writer::write() {
   root_->SetAttribute("model", named(o_.limbs ? "human" : "torso").c_str());
   if (detailed()) {
-    facets_ = makeFacets(a_);
-    ligaments_ = makeLigaments(a_);
-    for (const Disc& disc : a_.discs) discs_.push_back(makeDiscMesh(disc.shape));
+    for (const Facet& facet : makeFacets(a_)) {
+      if (has(facet.points_body) && has(facet.ellipsoid_body)) facets_.push_back(facet);
+    }
+    for (const LigamentSegment& s : makeLigaments(a_)) {
+      if (has(bodyOfLevel(a_, s.lower)) && has(bodyOfLevel(a_, s.upper))) ligaments_.push_back(s);
+    }
+    for (const Disc& disc : a_.discs) {
+      if (!has(bodyOfLevel(a_, disc.lower)) || !has(bodyOfLevel(a_, disc.upper))) continue;
+      levels_.push_back(disc);
+      discs_.push_back(makeDiscMesh(disc.shape));
+    }
   }
   if (o_.scene) Element(root_, "include").set("file", "scene.xml");
   writeOptions();
@@ -216,7 +229,7 @@ void Writer::writeAssets() {
       .set("rgba", {0.73, 0.80, 0.83, 1})
       .set("specular", 0.3)
       .set("shininess", 0.4);
-  for (const std::string& body : mjcfBodies(a_, o_)) {
+  for (const std::string& body : o_.bones ? mjcfBodies(a_, o_) : std::vector<std::string>()) {
     for (const Tissue tissue : boneTissues(a_, body)) {
       const std::string name = boneMeshName(body, tissue);
       Element mesh(asset, "mesh");
@@ -236,7 +249,7 @@ void Writer::writeAssets() {
 
 // The outside of each disc, bound half to half to its two bones.
 void Writer::writeSkins(XMLElement* asset) {
-  for (const Disc& disc : a_.discs) {
+  for (const Disc& disc : levels_) {
     // Rings of the outline at the lower endplate, half way and at the upper one, and the middles of
     // the two endplates.
     constexpr int kPoints = 36;
@@ -311,7 +324,7 @@ void Writer::writeInertial(XMLElement* element, const std::string& body) {
 }
 
 void Writer::writeBones(XMLElement* element, const std::string& body) {
-  for (const Tissue tissue : boneTissues(a_, body)) {
+  for (const Tissue tissue : o_.bones ? boneTissues(a_, body) : std::vector<Tissue>()) {
     const std::string name = boneMeshName(body, tissue);
     Element geom(element, "geom");
     geom.set("name", named(name)).set("class", named("bone")).set("mesh", named(name));
@@ -340,7 +353,7 @@ XMLElement* Writer::writeBody(XMLElement* parent, const std::string& parent_name
   if (parent_name.empty()) {
     element.set("pos", Vector3d(X.translation() + Vector3d(0, 0, o_.height)));
     element.set("quat", Quaterniond(X.linear()));
-    Element(element, "freejoint").set("name", named(body));
+    if (body != o_.anchored) Element(element, "freejoint").set("name", named(body));
   } else {
     const Isometry3d P = frame(parent_name).inverse() * X;
     element.set("pos", Vector3d(P.translation())).set("quat", Quaterniond(P.linear()));
@@ -384,6 +397,7 @@ void Writer::writeBodies() {
                       (splitSide(body).first == Side::kMiddle && body != "head");
     if (root && host(body) == body) writeBody(world, "", body);
   }
+  if (!has("pelvis")) return;
   Element(bodies_["pelvis"], "camera")
       .set("name", named("front"))
       .set("mode", "trackcom")
@@ -413,7 +427,7 @@ XMLElement* Writer::facetBody(const std::string& body) {
 }
 
 void Writer::writeSites() {
-  for (const Disc& disc : a_.discs) {
+  for (const Disc& disc : levels_) {
     for (const auto& [level, suffix] : {std::pair{disc.lower, "_lower"}, {disc.upper, "_upper"}}) {
       const std::string body = bodyOfLevel(a_, level);
       Element(bodies_[body], "site")
@@ -523,11 +537,12 @@ void Writer::writeEqualities() {
         .set("solref", "0.004 1")
         .set("solimp", "0.95 0.95 0.001");
   };
-  for (const Disc& disc : a_.discs) {
+  for (const Disc& disc : levels_) {
     weld(disc.name, bodyOfLevel(a_, disc.upper), bodyOfLevel(a_, disc.lower),
          disc.frame.translation());
   }
   for (const std::string level : kBushingLevels) {
+    if (!has("ribcage") || !has(level)) continue;
     weld("ribcage_" + level, "ribcage", level, a_.vertebra(level).position);
   }
 }
@@ -549,7 +564,7 @@ void Writer::writeActuators() {
         .set("biasprm", {0, -s.kp, 0, -s.kv});
   };
   if (detailed()) {
-    for (const Disc& disc : a_.discs) {
+    for (const Disc& disc : levels_) {
       if (disc.upper == a_.c2.name) continue;  // the head's ball joint has servos of its own
       const RangeOfMotion& rom = a_.range_of_motion.at(disc.name);
       const Region region = a_.vertebra(disc.upper).region;
@@ -559,11 +574,12 @@ void Writer::writeActuators() {
       for (const Servo& s : a_.servos) {
         if (s.joint != row) continue;
         const bool flexion = s.motion == "flexion";
-        const double hi = flexion                         ? rom.flexion
-                          : s.motion == "lateral_bending" ? rom.lateral_bending
-                                                          : rom.axial_rotation;
+        const double hi = rom[flexion                         ? kFlexion
+                              : s.motion == "lateral_bending" ? kLateralBending
+                                                              : kAxialRotation]
+                              .mean;
         Element e(actuators, "general");
-        common(e, disc.name + "_" + s.motion, s, flexion ? -rom.extension : -hi, hi);
+        common(e, disc.name + "_" + s.motion, s, flexion ? -rom[kExtension].mean : -hi, hi);
         e.set("site", named(disc.name + "_upper"))
             .set("refsite", named(disc.name + "_lower"))
             .set("gear", {0, 0, 0, s.axis.x(), s.axis.y(), s.axis.z()});
@@ -600,7 +616,7 @@ void Writer::writeSensors() {
         .set("dim", dim)
         .set("user", what);
   };
-  for (const Disc& disc : a_.discs) {
+  for (const Disc& disc : levels_) {
     user(disc.name + "_force", disc.name, 0, 3);
     user(disc.name + "_moment", disc.name, 1, 3);
     user(disc.name + "_pressure", disc.name, 2, 1);
@@ -640,8 +656,8 @@ void Writer::writeCustom() {
   }
   Element(custom, "text").set("name", named("disc_topology")).set("data", topology);
 
-  for (std::size_t i = 0; i < a_.discs.size(); i++) {
-    const Disc& disc = a_.discs[i];
+  for (std::size_t i = 0; i < levels_.size(); i++) {
+    const Disc& disc = levels_[i];
     std::string positions = "positions_mm";
     for (const Vector3d& X : discs_[i].rest_positions) {
       for (int k = 0; k < 3; k++) positions += fmt::format(" {:.4f}", X[k] * 1e3 + 0.0);
@@ -666,6 +682,7 @@ void Writer::writeCustom() {
   numeric("bushing:ribcage",
           {force * kBushing[0], force * kBushing[1], torque * kBushing[2], torque * kBushing[3]});
   for (const std::string level : kBushingLevels) {
+    if (!has("ribcage") || !has(level)) continue;
     const std::string name = "ribcage_" + level;
     Element bushing(custom, "tuple");
     bushing.set("name", named("bushing:" + name));
@@ -682,6 +699,7 @@ void Writer::writeCustom() {
     }
   }
   for (const Ligament& ligament : a_.ligaments) {
+    if (ligaments_.empty()) break;
     Element tuple(custom, "tuple");
     tuple.set("name", named("ligament:" + ligament.name));
     for (const LigamentSegment& s : ligaments_) {
@@ -708,6 +726,11 @@ std::vector<std::string> mjcfBodies(const Anatomy& anatomy, const MjcfOptions& o
       bodies.push_back(std::string(side) + part);
     }
   }
+  const auto left_out = [&](const std::string& body) {
+    return !options.only.empty() &&
+           std::find(options.only.begin(), options.only.end(), body) == options.only.end();
+  };
+  bodies.erase(std::remove_if(bodies.begin(), bodies.end(), left_out), bodies.end());
   return bodies;
 }
 

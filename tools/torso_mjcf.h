@@ -23,7 +23,11 @@ struct MjcfOptions {
   std::string prefix;               // put before every name
   double mesh_scale = 1;            // of the bone meshes, which are made at the size of the tables
   std::string mesh_dir = "assets";  // where they are, relative to the MJCF
-  double height = 0;  // of the S1 endplate above the ground; 0: feet on the ground [m]
+  std::vector<std::string>
+      only;              // these bodies, and of the rest what lies between them; empty: all
+  std::string anchored;  // this body is fixed to the world
+  bool bones = true;     // show the bones; their mesh files must exist
+  double height = 0;     // of the S1 endplate above the ground; 0: feet on the ground [m]
 };
 
 // Name of the mesh of a body's bone or cartilage, and of its STL file: "L4", "ribcage_cartilage".

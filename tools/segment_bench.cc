@@ -1,0 +1,142 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "tools/segment_bench.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "model/body.h"
+#include "tools/error.h"
+#include "tools/torso_mjcf.h"
+
+namespace torso::tools {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+// At rest: slower than this over a tenth of a second, or after two seconds at most.
+constexpr double kRestSpeed = 1e-3;  // [rad/s]
+constexpr double kHold = 0.1, kLongestHold = 2;
+
+const Disc& findDisc(const Anatomy& anatomy, const std::string& name) {
+  std::string known;
+  for (const Disc& disc : anatomy.discs) {
+    if (disc.name == name) return disc;
+    known += (known.empty() ? "" : ", ") + disc.name;
+  }
+  throw Error(fmt::format("no disc is called '{}'; there are {}", name, known));
+}
+
+Vector3d vector3(const mjtNum* x) { return {x[0], x[1], x[2]}; }
+Matrix3d matrix3(const mjtNum* x) { return Eigen::Map<const RowMatrix3d>(x); }
+
+}  // namespace
+
+Vector3d turnAxis(Turn turn) {
+  switch (turn) {
+    case Turn::kFlexion:
+      return Vector3d::UnitY();
+    case Turn::kExtension:
+      return -Vector3d::UnitY();
+    case Turn::kLeftBending:
+      return -Vector3d::UnitX();
+    case Turn::kLeftRotation:
+      return Vector3d::UnitZ();
+  }
+  return Vector3d::Zero();
+}
+
+double laboratoryMoment(Region region) {
+  return region == Region::kLumbar ? 7.5 : region == Region::kThoracic ? 5 : 2;
+}
+
+SegmentBench::SegmentBench(const Anatomy& anatomy, const std::string& disc_name,
+                           const SegmentParts& parts, double follower)
+    : name_(disc_name), follower_(follower) {
+  const Disc& disc = findDisc(anatomy, disc_name);
+  MjcfOptions options;
+  options.anchored = bodyOfLevel(anatomy, disc.lower);
+  options.only = {options.anchored, bodyOfLevel(anatomy, disc.upper)};
+  options.bones = false;
+  tinyxml2::XMLDocument document;
+  writeMjcf(anatomy, options, document);
+  tinyxml2::XMLPrinter printer;
+  document.Print(&printer);
+  m_ = compileModel(printer.CStr(), "segment");
+  torsoOf(m_.get(), disc_name);
+  mju_zero3(m_->opt.gravity);
+  m_->opt.disableflags |= mjDSBL_ACTUATION;
+  for (int i = 0; i < m_->ntendon; i++) {
+    if (!parts.ligaments) m_->tendon_limited[i] = 0;
+    const std::string tendon = nameOf(m_.get(), mjOBJ_TENDON, i);
+    ligaments_.push_back(tendon.substr(0, tendon.size() - disc_name.size() - 1));
+  }
+  // A margin that no distance is below.
+  for (int i = 0; i < m_->npair && !parts.facets; i++) m_->pair_margin[i] = -mjMAXVAL;
+  d_ = makeData(m_.get());
+  const auto id = [&](mjtObj type, const std::string& name) {
+    return mj_name2id(m_.get(), type, name.c_str());
+  };
+  upper_ = id(mjOBJ_BODY, options.only[1]);
+  lower_site_ = id(mjOBJ_SITE, disc_name + "_lower");
+  upper_site_ = id(mjOBJ_SITE, disc_name + "_upper");
+}
+
+void SegmentBench::settle(const Vector3d& moment) {
+  mjModel* m = m_.get();
+  mjData* d = d_.get();
+  const int hold = static_cast<int>(std::ceil(kHold / m->opt.timestep));
+  for (double time = 0; time < kLongestHold; time += kHold) {
+    for (int i = 0; i < hold; i++) {
+      // In the frame of the lower half of the disc, which does not move.
+      const Matrix3d R = matrix3(d->site_xmat + 9 * lower_site_);
+      const Vector3d force = -follower_ * R.col(2);
+      const Vector3d arm = vector3(d->site_xpos + 3 * upper_site_) - vector3(d->xipos + 3 * upper_);
+      const Vector3d torque = R * moment + arm.cross(force);
+      mju_copy3(d->xfrc_applied + 6 * upper_, force.data());
+      mju_copy3(d->xfrc_applied + 6 * upper_ + 3, torque.data());
+      mj_step(m, d);
+    }
+    double speed = 0;
+    for (int i = 0; i < m->nv; i++) speed = std::max(speed, std::abs(d->qvel[i]));
+    if (speed < kRestSpeed) break;
+  }
+  const std::string warning = firstWarning(d);
+  if (!warning.empty()) throw Error(fmt::format("segment {}: {}", name_, warning));
+}
+
+SegmentPose SegmentBench::pose(double moment, const Vector3d& axis) const {
+  const mjData* d = d_.get();
+  const Matrix3d R = matrix3(d->site_xmat + 9 * lower_site_);
+  const Matrix3d turned = matrix3(d->site_xmat + 9 * upper_site_) * start_rotation_.transpose();
+  const Eigen::AngleAxisd rotation(Matrix3d(R.transpose() * turned * R));
+  SegmentPose pose;
+  pose.moment = moment;
+  pose.rotation = rotation.angle() * rotation.axis();
+  pose.angle = pose.rotation.dot(axis);
+  pose.shift = R.transpose() * (vector3(d->site_xpos + 3 * upper_site_) - start_position_);
+  pose.ligament_lengths.assign(d->ten_length, d->ten_length + m_->ntendon);
+  return pose;
+}
+
+std::vector<SegmentPose> SegmentBench::load(Turn turn, double moment, int steps) {
+  mj_resetData(m_.get(), d_.get());
+  mj_forward(m_.get(), d_.get());
+  if (follower_ > 0) settle(Vector3d::Zero());
+  start_rotation_ = matrix3(d_->site_xmat + 9 * upper_site_);
+  start_position_ = vector3(d_->site_xpos + 3 * upper_site_);
+  const Vector3d axis = turnAxis(turn);
+  std::vector<SegmentPose> poses = {pose(0, axis)};
+  for (int i = 1; i <= steps; i++) {
+    const double applied = moment * i / steps;
+    settle(applied * axis);
+    poses.push_back(pose(applied, axis));
+  }
+  return poses;
+}
+
+}  // namespace torso::tools

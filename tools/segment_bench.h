@@ -1,0 +1,67 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A motion segment on the laboratory's bench: two neighbouring bones with the disc, the ligaments
+// and the facets between them, cut out of the body, the lower bone clamped, without gravity.
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "model/anatomy.h"
+#include "tools/mujoco_support.h"
+
+namespace torso::tools {
+
+struct SegmentParts {
+  bool ligaments = true, facets = true;
+};
+
+// A way to turn the upper bone: moment and rotation are about this axis of the disc's frame.
+enum class Turn { kFlexion, kExtension, kLeftBending, kLeftRotation };
+constexpr Turn kTurns[] = {Turn::kFlexion, Turn::kExtension, Turn::kLeftBending,
+                           Turn::kLeftRotation};
+Eigen::Vector3d turnAxis(Turn turn);  // unit, x forward, y left, z up
+
+// Where the segment has come to rest under a load.
+struct SegmentPose {
+  double moment;             // [Nm]
+  double angle;              // of the upper bone about the axis of the moment [rad]
+  Eigen::Vector3d rotation;  // rotation vector from the pose without moment, disc frame [rad]
+  Eigen::Vector3d shift;     // of the upper bone's point at the disc's centre, disc frame [m]
+  std::vector<double> ligament_lengths;  // [m], in the order of SegmentBench::ligaments
+};
+
+class SegmentBench {
+ public:
+  // disc: name, "L4/L5". follower: compression along the disc's axis at its centre [N], there
+  // before the moment. Throws Error.
+  SegmentBench(const Anatomy& anatomy, const std::string& disc, const SegmentParts& parts = {},
+               double follower = 0);
+
+  const std::vector<std::string>& ligaments() const { return ligaments_; }  // without the level
+
+  // Poses under pure moments of constant axis, from none to `moment` [Nm] in equal steps, each held
+  // until the segment is at rest. Throws Error if MuJoCo warns.
+  std::vector<SegmentPose> load(Turn turn, double moment, int steps);
+
+ private:
+  void settle(const Eigen::Vector3d& moment);
+  SegmentPose pose(double moment, const Eigen::Vector3d& axis) const;
+
+  std::string name_;
+  ModelPtr m_;
+  DataPtr d_;
+  int upper_;                       // body
+  int lower_site_, upper_site_;     // frames of the disc
+  Eigen::Matrix3d start_rotation_;  // of the upper site without moment
+  Eigen::Vector3d start_position_;
+  double follower_;
+  std::vector<std::string> ligaments_;
+};
+
+// Moment at which laboratories compare segments of a region [Nm]: Wilke et al. 1998, Eur Spine J
+// 7:148-154, recommend 7.5 for lumbar, 5 for thoracic and 2.5 or less for cervical segments.
+double laboratoryMoment(Region region);
+
+}  // namespace torso::tools
