@@ -144,17 +144,10 @@ Vector3d BodyWarp::ribs(const Vector3d& p) const {
   const auto with = [&](const Level& level) -> Vector3d {
     return level.to + pitchMatrix(level.turn) * thorax_growth_.cwiseProduct(p - level.from);
   };
-  // From the tubercles to the sternum the motion goes over to the whole thorax's; below the sternum
-  // only forwards, so that the floating ribs stay with their vertebrae.
-  constexpr double kTubercle = 0.045;
-  const Vector3d& top = tables_.landmark("suprasternal_notch_IJ");
-  const Vector3d& low = tables_.landmark("xiphoid_PX");
-  const double down = std::clamp((top.z() - p.z()) / (top.z() - low.z()), 0.0, 1.0);
-  const double sternum_x = (1 - down) * top.x() + down * low.x();
+  // From the tubercles to the front and the sides the motion goes over to the whole thorax's.
+  constexpr double kTubercle = 0.045, kFront = 0.090;  // distances from the spine
   const double spine_x = (1 - s) * a.from.x() + s * b.from.x();
-  const double below = 1 - fade(low.z() - p.z(), 0, 0.080);
-  const double distance = std::hypot(p.x() - spine_x, (1 - 0.7 * below) * p.y());
-  const double near = fade(distance, kTubercle, 0.95 * (sternum_x - spine_x));
+  const double near = fade(std::hypot(p.x() - spine_x, p.y()), kTubercle, kFront);
   return near * ((1 - s) * with(a) + s * with(b)) + (1 - near) * thorax(p);
 }
 
