@@ -39,7 +39,7 @@ std::string text(double x) {
 
 void check(const char* name, double value, const char* unit, const Range& range,
            const std::string& note = "") {
-  if (value >= range.low && value <= range.high) return;
+  if (value > range.low - 1e-9 && value < range.high + 1e-9) return;
   throw std::invalid_argument(std::string(name) + " " + text(value) + ": must be from " +
                               text(range.low) + " to " + text(range.high) + " " + unit + note +
                               " (" + range.why + ")");

@@ -90,6 +90,7 @@ void build(Options& options, const CLI::App& command) {
   } catch (const std::invalid_argument& e) {
     throw Error(fmt::format("--{}", e.what()));
   }
+  checkFolder(options.output);
   std::map<std::string, std::string> files;
   {
     const ProgressBar bar;

@@ -85,6 +85,18 @@ void writeFiles(const std::map<std::string, std::string>& files) {
   }
 }
 
+void checkFolder(const std::string& path) {
+  std::filesystem::path at = std::filesystem::absolute(path);
+  std::error_code error;
+  while (!std::filesystem::exists(at, error) && at.has_relative_path()) at = at.parent_path();
+  if (!std::filesystem::is_directory(at, error)) {
+    throw Error(fmt::format("{}: cannot make this folder: {} is a file", path, at.string()));
+  }
+  if (access(at.c_str(), W_OK | X_OK) != 0) {
+    throw Error(fmt::format("{}: cannot write into this folder: {}", path, std::strerror(errno)));
+  }
+}
+
 void makeFolder(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);

@@ -16,6 +16,10 @@ void writeFile(const std::string& path, std::string_view content);
 // done. Throws Error.
 void writeFiles(const std::map<std::string, std::string>& files);
 
+// Throws Error if no folder of that path is there or can be made to write into; makes none. Saves a
+// long command its work.
+void checkFolder(const std::string& path);
+
 // Make a folder and those above it; nothing happens if it is there. Throws Error.
 void makeFolder(const std::string& path);
 
