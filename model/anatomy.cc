@@ -204,6 +204,7 @@ Anatomy Anatomy::load(const std::string& folder) {
         Vector3d(landmarks.number(i, "x_mm"), landmarks.number(i, "y_mm"),
                  landmarks.number(i, "z_mm")) *
         kMm;
+    a.landmark_carriers[landmarks.text(i, "landmark")] = landmarks.text(i, "moves_with");
   }
 
   // The S1 endplate is the lower face of disc L5/S1: half the wedge away from its mid-plane.
@@ -257,8 +258,9 @@ Anatomy Anatomy::load(const std::string& folder) {
     Segment s;
     s.name = segments.text(i, "body");
     s.mass = segments.number(i, "mass_kg");
-    const Vector3d proximal = a.landmark(segments.text(i, "proximal"));
-    const Vector3d distal = a.landmark(segments.text(i, "distal"));
+    s.proximal = segments.text(i, "proximal");
+    s.distal = segments.text(i, "distal");
+    const Vector3d proximal = a.landmark(s.proximal), distal = a.landmark(s.distal);
     s.com = proximal + segments.number(i, "com_fraction") * (distal - proximal) +
             Vector3d(segments.number(i, "offset_x_mm"), segments.number(i, "offset_y_mm"),
                      segments.number(i, "offset_z_mm")) *
@@ -277,9 +279,9 @@ Anatomy Anatomy::load(const std::string& folder) {
   for (int i = 0; i < joints.rows(); i++) {
     a.joints.push_back(
         {joints.text(i, "joint"), joints.text(i, "parent"), joints.text(i, "child"),
-         a.landmark(joints.text(i, "landmark")), joints.number(i, "limit_deg") * kDeg,
-         joints.number(i, "stiffness_nm_per_rad"), joints.number(i, "damping_nms_per_rad"),
-         joints.number(i, "armature_kgm2")});
+         joints.text(i, "landmark"), a.landmark(joints.text(i, "landmark")),
+         joints.number(i, "limit_deg") * kDeg, joints.number(i, "stiffness_nm_per_rad"),
+         joints.number(i, "damping_nms_per_rad"), joints.number(i, "armature_kgm2")});
   }
 
   const CsvTable servos(folder + "/servos.csv");
@@ -308,6 +310,15 @@ Anatomy Anatomy::load(const std::string& folder) {
   const CsvTable disc_tests(folder + "/disc_tests.csv");
   for (int i = 0; i < disc_tests.rows(); i++) {
     a.disc_tests.push_back(readDiscTest(disc_tests, i));
+  }
+
+  const CsvTable sex(folder + "/sex.csv");
+  for (int i = 0; i < sex.rows(); i++) {
+    const SexDifference d{sex.number(i, "male"), sex.number(i, "female")};
+    if (!(d.male > 0 && d.female > 0)) {
+      throw std::runtime_error(sex.where(i) + ": male and female must be positive");
+    }
+    a.sex_differences[sex.text(i, "quantity")] = d;
   }
   return a;
 }
@@ -355,6 +366,7 @@ Anatomy Anatomy::scaled(double length, double mass) const {
   Anatomy a = *this;
   a.length_scale *= length;
   a.mass_scale *= mass;
+  a.girth_scale *= length;
   const double torque = mass * length * length;
   const auto scaleVertebra = [&](Vertebra& v) {
     for (double* x : {&v.upper_endplate_width, &v.upper_endplate_depth, &v.lower_endplate_width,

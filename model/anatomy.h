@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -82,6 +83,7 @@ struct Ligament {
 
 struct Segment {  // a body that is not a vertebra; left side of a pair
   std::string name;
+  std::string proximal, distal;  // landmarks
   double mass;
   Eigen::Vector3d com;       // standing body [m]
   Eigen::Vector3d gyration;  // radii of gyration [m] along the axes of `axes`
@@ -89,8 +91,8 @@ struct Segment {  // a body that is not a vertebra; left side of a pair
 };
 
 struct BallJoint {  // left side of a pair
-  std::string name, parent, child;
-  Eigen::Vector3d position;  // [m]
+  std::string name, parent, child, landmark;
+  Eigen::Vector3d position;  // [m], of the landmark
   double limit;              // half angle of the cone about the rest orientation [rad], 0: none
   double stiffness, damping, armature;
 };
@@ -153,6 +155,14 @@ struct DiscTest {
   std::string note;
 };
 
+// A measure of the average man and the average woman; unit and source stand in sex.csv.
+struct SexDifference {
+  double male, female;  // > 0
+  double ratio() const { return female / male; }
+};
+
+class BodyWarp;  // model/body_warp.h
+
 // True if a value is in the test's range, or out of it by no more than the thousandth that the fit
 // leaves.
 bool insideRange(const DiscTest& test, double value);
@@ -166,11 +176,14 @@ struct Anatomy {
   std::vector<CostalJoint> costal_joints;
   std::vector<Ligament> ligaments;
   std::map<std::string, Eigen::Vector3d> landmarks;  // left side of a pair
+  // Body, vertebra or disc that each landmark keeps its place on.
+  std::map<std::string, std::string> landmark_carriers;
   std::vector<Segment> segments;
   std::vector<BallJoint> joints;
   std::vector<Servo> servos;
   std::map<std::string, RangeOfMotion> range_of_motion;  // by disc
   std::vector<DiscTest> disc_tests;                      // not used by the model
+  std::map<std::string, SexDifference> sex_differences;  // used by personalAnatomy only
 
   // Throws std::runtime_error that names the file, line and column at fault.
   static Anatomy load(const std::string& folder);
@@ -187,6 +200,12 @@ struct Anatomy {
   // Size and weight relative to the tables'. What the code adds to the tables (offsets, radii,
   // stiffnesses that no table holds) is multiplied accordingly.
   double length_scale = 1, mass_scale = 1;
+  // Of the flesh's thickness: greater than length_scale in a body that is heavier than another of
+  // its stature.
+  double girth_scale = 1;
+  // How a person's bones that are no vertebrae differ in shape and place from the tables' body, at
+  // the size of the tables; null: not at all. Set by personalAnatomy.
+  std::shared_ptr<const BodyWarp> warp;
 
   // A body of the same shape with all lengths times `length` and all masses times `mass`, both > 0,
   // that moves in the same time: inertias, and stiffness, damping, gain and force limit of joints

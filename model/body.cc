@@ -28,7 +28,7 @@ Matrix3d pointInertia(double mass, const Vector3d& r) {
 // body's centre (bone and the muscles behind it), so the rest is further forward than the slice.
 Inertial ribcageShare(const Anatomy& a, const Vertebra& v) {
   // Of the thorax, vertebrae.csv.
-  const double half_width = 0.140 * a.length_scale, half_depth = 0.100 * a.length_scale;
+  const double half_width = 0.140 * a.girth_scale, half_depth = 0.100 * a.girth_scale;
   Inertial share;
   share.mass = v.slice_mass * (1 - v.mass_fraction);
   share.com = v.frame() * (v.slice_com / (1 - v.mass_fraction));

@@ -4,6 +4,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "model/body_warp.h"
 #include "model/bone_parts.h"
 
 namespace torso {
@@ -37,6 +38,19 @@ bool isFreeVertebra(const Anatomy& anatomy, const std::string& body) {
   return false;
 }
 
+// At the size and shape of the tables, for which the generators are made.
+std::vector<BonePart> tableMesh(const Anatomy& anatomy, const std::string& body) {
+  if (body == "pelvis") return pelvisMesh(anatomy);
+  if (body == "ribcage") return ribCageMesh(anatomy);
+  if (body == "head") return {{Tissue::kBone, headMesh(anatomy)}};
+  if (isFreeVertebra(anatomy, body)) return {{Tissue::kBone, vertebraMesh(anatomy, body)}};
+  if (const LimbMaker maker = limbMaker(body)) {
+    const TriMesh left = maker(anatomy);
+    return {{Tissue::kBone, body[0] == 'l' ? left : mirrored(left)}};
+  }
+  throw std::invalid_argument("no body of the torso is called '" + body + "'");
+}
+
 }  // namespace
 
 std::vector<Tissue> boneTissues(const Anatomy& anatomy, const std::string& body) {
@@ -48,15 +62,20 @@ std::vector<Tissue> boneTissues(const Anatomy& anatomy, const std::string& body)
 }
 
 std::vector<BonePart> boneMesh(const Anatomy& anatomy, const std::string& body) {
-  if (body == "pelvis") return pelvisMesh(anatomy);
-  if (body == "ribcage") return ribCageMesh(anatomy);
-  if (body == "head") return {{Tissue::kBone, headMesh(anatomy)}};
-  if (isFreeVertebra(anatomy, body)) return {{Tissue::kBone, vertebraMesh(anatomy, body)}};
-  if (const LimbMaker maker = limbMaker(body)) {
-    const TriMesh left = maker(anatomy);
-    return {{Tissue::kBone, body[0] == 'l' ? left : mirrored(left)}};
+  const double scale = anatomy.length_scale;
+  // Vertebrae are described by the tables in full; other bones are made as the tables' body has
+  // them and then carried into the person's.
+  const bool carried = anatomy.warp && !isFreeVertebra(anatomy, body);
+  if (scale == 1 && !carried) return tableMesh(anatomy, body);
+  std::vector<BonePart> parts =
+      tableMesh(carried ? anatomy.warp->tables() : anatomy.scaled(1 / scale, 1), body);
+  for (BonePart& part : parts) {
+    for (Eigen::Vector3d& p : part.mesh.vertices) {
+      if (carried) p = (*anatomy.warp)(body, p);
+      p *= scale;
+    }
   }
-  throw std::invalid_argument("no body of the torso is called '" + body + "'");
+  return parts;
 }
 
 }  // namespace torso

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "model/body_warp.h"
+
 namespace torso {
 namespace {
 
@@ -133,11 +135,15 @@ void addScapulothoracic(const Anatomy& a, std::vector<Facet>& facets) {
   // and 205 mm, centred 58 mm behind and 145 mm below IJ; grown by serratus anterior, subscapularis
   // and half the blade (assumed) to where the scapula's costal surface lies.
   Facet f;
-  const Vector3d centre = a.landmark("suprasternal_notch_IJ") + Vector3d(-0.058, 0, -0.145);
-  f.radii = Vector3d(0.093, 0.142, 0.205) + Vector3d(0.019, 0.013, 0.017);
+  const Matrix3d turn = a.warp ? a.warp->thoraxRotation() : Matrix3d(Matrix3d::Identity());
+  const Vector3d growth = a.warp ? a.warp->thoraxGrowth() : Vector3d(1, 1, 1);
+  const Vector3d centre =
+      a.landmark("suprasternal_notch_IJ") + turn * growth.cwiseProduct(Vector3d(-0.058, 0, -0.145));
+  f.radii = growth.cwiseProduct(Vector3d(0.093, 0.142, 0.205) + Vector3d(0.019, 0.013, 0.017));
   // At 0.2 the scapula could leave the thorax by a centimetre; 0.05 leaves it about 3 mm.
   f.band = 0.05;
   f.ellipsoid = Isometry3d::Identity();
+  f.ellipsoid.linear() = turn;
   f.ellipsoid.translation() = centre;
   const Vector3d ts = a.landmark("scapula_root_of_spine_TS");
   const Vector3d ai = a.landmark("scapula_inferior_angle_AI");
@@ -147,7 +153,8 @@ void addScapulothoracic(const Anatomy& a, std::vector<Facet>& facets) {
                                            ai + 0.1 * (ts - ai), gh + 0.45 * (ts - gh)};
   for (int i = 0; i < 4; i++) {
     const Vector3d from_centre = corners[i] - centre;
-    const double scale = from_centre.cwiseQuotient(f.radii).norm();
+    const Vector3d from_axes = turn.transpose() * from_centre;
+    const double scale = from_axes.cwiseQuotient(f.radii).norm();
     f.points[i] = centre + from_centre / scale;
   }
   f.kind = Facet::Kind::kScapulothoracic;

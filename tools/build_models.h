@@ -1,15 +1,19 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <map>
 #include <string>
 
 #include "model/anatomy.h"
 
 namespace torso::tools {
 
-// Writes torso.xml, human.xml, human_fixed.xml, scene.xml, torso_held.xml and the bone meshes in
-// assets/ into `folder`, which is made if it is missing. Each file is written whole or not at all.
-// Throws Error.
-void buildModels(const Anatomy& anatomy, const std::string& folder);
+// torso.xml, human.xml, human_fixed.xml, scene.xml, torso_held.xml and the bone meshes in assets/:
+// contents by path within their folder. Bones are made on so many threads, each bone the same
+// whatever their number; `progress` is told the share that is done, 0 to 1, from any of them but
+// one at a time.
+std::map<std::string, std::string> buildModels(
+    const Anatomy& anatomy, int threads, const std::function<void(double)>& progress = nullptr);
 
 }  // namespace torso::tools

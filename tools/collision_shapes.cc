@@ -1,7 +1,10 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "tools/collision_shapes.h"
 
+#include <cmath>
+
 #include "model/body.h"
+#include "model/body_warp.h"
 
 namespace torso::tools {
 namespace {
@@ -117,11 +120,23 @@ Shapes collisionShapes(const Anatomy& anatomy, const std::string& body) {
   for (const Vertebra& v : table_size.vertebrae) {
     if (v.name == body) shapes = vertebra(v);
   }
-  if (shapes.empty()) shapes = leftOrMiddle(table_size, name);
+  if (shapes.empty()) {
+    const BodyWarp* warp = anatomy.warp.get();
+    shapes = leftOrMiddle(warp ? warp->tables() : table_size, name);
+    const std::string left = side == Side::kMiddle ? name : "left_" + name;
+    for (CollisionShape& s : shapes) {
+      if (!warp) break;
+      s.from = (*warp)(left, s.from);
+      s.to = (*warp)(left, s.to);
+      if (name == "ribcage") s.radius *= std::sqrt(warp->thoraxGrowth().prod());
+    }
+  }
+  // Head, hands and feet, the clavicle and the spines have little flesh.
+  const bool lean = name == "head" || name == "hand" || name == "foot";
   for (CollisionShape& s : shapes) {
     s.from = scale * (side == Side::kRight ? mirror(s.from) : s.from);
     s.to = scale * (side == Side::kRight ? mirror(s.to) : s.to);
-    s.radius *= scale;
+    s.radius *= lean || s.kind == "spine" ? scale : anatomy.girth_scale;
   }
   return shapes;
 }
