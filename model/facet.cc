@@ -10,7 +10,8 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kBand = 0.2;  // Lee et al. 2023, equation 6
+constexpr double kFacetGap = 2e-3;  // bone to bone: two cartilages; as the bones are made
+constexpr double kBand = 0.2;       // Lee et al. 2023, equation 6
 
 // Half axes of a facet's ellipsoid over the face's width and height. The face is the middle of a
 // shell that is large enough for the opposite face to glide over in full flexion (about half its
@@ -77,7 +78,8 @@ void addZygapophyseal(const Anatomy& a, std::vector<Facet>& facets) {
     for (const ArticularFacet& face : a.facets) {
       if (face.level != disc.lower) continue;
       const Isometry3d X = a.boneFrame(face.level);
-      Facet f = faceFacet(X * face.position, X.linear() * face.normal, face.width, face.height);
+      const Vector3d normal = X.linear() * face.normal;
+      Facet f = faceFacet(X * face.position + kFacetGap * normal, normal, face.width, face.height);
       f.kind = Facet::Kind::kZygapophyseal;
       f.name = disc.name + "_left";
       f.points_body = disc.upper;

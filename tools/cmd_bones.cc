@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "model/bone_fit.h"
 #include "model/bone_measure.h"
 #include "model/skeleton.h"
 #include "tools/commands.h"
@@ -110,6 +111,53 @@ void print(const std::vector<Row>& rows) {
   fmt::print("{} of {} published measures inside\n", within, compared);
 }
 
+Json fitJson(const FitCheck& check) {
+  const double unit = check.length ? 1e-3 : 1;
+  const auto number = [&](double x) { return std::isfinite(x) ? Json(x / unit) : Json(); };
+  return {{"check", check.check},
+          {"where", check.where},
+          {"unit", check.length ? "mm" : "-"},
+          {"value", number(check.value)},
+          {"low", number(check.low)},
+          {"high", number(check.high)},
+          {"passed", check.passed()}};
+}
+
+// One line for each check with its extremes, and the places where it fails.
+void print(const std::vector<FitCheck>& checks) {
+  fmt::print("fit\n  {:<20}{:>7}{:>20}{:>16}  {:<4}{}\n", "check", "places", "least - most",
+             "bounds", "unit", "fails");
+  const auto number = [](double x) {
+    return std::isfinite(x) ? fmt::format("{:.2f}", x) : std::string("-");
+  };
+  std::vector<std::string> names;
+  for (const FitCheck& c : checks) {
+    if (std::find(names.begin(), names.end(), c.check) == names.end()) names.push_back(c.check);
+  }
+  for (const std::string& name : names) {
+    double least = INFINITY, most = -INFINITY, low = 0, high = 0, unit = 1;
+    int places = 0, fails = 0;
+    for (const FitCheck& c : checks) {
+      if (c.check != name) continue;
+      unit = c.length ? 1e-3 : 1;
+      least = std::min(least, c.value / unit);
+      most = std::max(most, c.value / unit);
+      low = c.low / unit;
+      high = c.high / unit;
+      places++;
+      fails += !c.passed();
+    }
+    fmt::print("  {:<20}{:>7}{:>20}{:>16}  {:<4}{}\n", name, places,
+               number(least) + " - " + number(most), number(low) + " - " + number(high),
+               unit < 1 ? "mm" : "-", fails ? std::to_string(fails) : "none");
+    for (const FitCheck& c : checks) {
+      if (c.check == name && !c.passed()) {
+        fmt::print("    {:<50}{:>10}\n", c.where, number(c.value / unit));
+      }
+    }
+  }
+}
+
 void bones(const Options& options) {
   const Anatomy anatomy = Anatomy::load(anatomyFolder());
   const std::vector<std::string> all = bodyNames(anatomy);
@@ -127,13 +175,17 @@ void bones(const Options& options) {
     if (skeleton.has(bodyOfBone(row.bone))) published.push_back(scaled(row, anatomy.length_scale));
   }
   const std::vector<Row> rows = compare(ours, published);
+  const std::vector<FitCheck> fit = checkFit(anatomy, skeleton, threads);
   if (options.json) {
     Json json = Json::array();
     for (const Row& row : rows) json.push_back(rowJson(row));
-    std::cout << Json{{"measures", json}}.dump(2) << '\n';
+    Json fit_json = Json::array();
+    for (const FitCheck& check : fit) fit_json.push_back(fitJson(check));
+    std::cout << Json{{"measures", json}, {"fit", fit_json}}.dump(2) << '\n';
     return;
   }
   print(rows);
+  print(fit);
   std::fflush(stdout);
 }
 
