@@ -217,11 +217,14 @@ class Checker {
   // ---- ligaments ----
 
   void ligaments() {
-    const auto segments = std::make_shared<std::vector<LigamentSegment>>(makeLigaments(a_));
+    if (!hasLevel("S1")) return;
+    for (const Vertebra& v : a_.vertebrae) {
+      if (!s_.has(v.name)) return;
+    }
+    const auto segments = std::make_shared<std::vector<LigamentSegment>>(makeLigaments(a_, s_));
     for (const LigamentSegment& s : *segments) {
       for (bool upper : {false, true}) {
         const std::string level = upper ? s.upper : s.lower;
-        if (!hasLevel(level)) continue;
         jobs_.push_back([=, &s] {
           (void)segments;  // s is one of them
           const Vector3d p = upper ? s.upper_point : s.lower_point;

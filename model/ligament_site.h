@@ -7,6 +7,7 @@
 #include <string>
 
 #include "model/anatomy.h"
+#include "model/mesh_checks.h"
 
 namespace torso {
 
@@ -16,5 +17,11 @@ namespace torso {
 // Levels: "S1", "L5" .. "C3". Throws std::runtime_error for an unknown ligament.
 bool onSite(const Anatomy& anatomy, const std::string& level, const std::string& ligament,
             bool upper, const Eigen::Vector3d& point);
+
+// The place on a bone's surface (standing body [m]) where a ligament attaches; `guess` is about
+// there, on the ligament's side or on the mid-line, and so is the result. The arguments as above.
+Eigen::Vector3d ligamentSite(const Anatomy& anatomy, const std::string& level,
+                             const std::string& ligament, bool upper, const Eigen::Vector3d& guess,
+                             const MeshTree& bone);
 
 }  // namespace torso
