@@ -241,7 +241,9 @@ class Checker {
   // ---- facets ----
 
   void facets() {
-    const auto all = std::make_shared<std::vector<Facet>>(makeFacets(a_));
+    const bool scapulae = s_.has("left_scapula") && s_.has("right_scapula");
+    const auto all =
+        std::make_shared<std::vector<Facet>>(scapulae ? makeFacets(a_, s_) : makeFacets(a_));
     for (const Facet& f : *all) {
       if (!s_.has(f.points_body) || !s_.has(f.ellipsoid_body)) continue;
       if (f.kind == Facet::Kind::kZygapophyseal) {
