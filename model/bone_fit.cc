@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "model/body.h"
+#include "model/disc_fit.h"
 #include "model/facet.h"
 #include "model/ligament.h"
 #include "model/ligament_site.h"
@@ -102,8 +103,9 @@ class Checker {
   void disc(const Disc& d) {
     if (!hasLevel(d.lower) || !hasLevel(d.upper)) return;
     jobs_.push_back([this, &d] {
-      const DiscMesh mesh = makeDiscMesh(d.shape);
+      DiscMesh mesh = makeDiscMesh(d.shape);
       const MeshTree &below = s_.bone(body(d.lower)), &above = s_.bone(body(d.upper));
+      fitDiscFaces(d.frame, below, above, kDiscReach * a_.length_scale, &mesh);
       double gap = 0, overlap = 0;
       const auto face = [&](const MeshTree& bone, const std::vector<int>& nodes) {
         std::vector<char> in(mesh.rest_positions.size(), 0);
@@ -128,7 +130,7 @@ class Checker {
       face(above, mesh.upper_nodes);
       // Half way up, at the nodes of the middle layer, but for those near the outside.
       double least = kInfinity;
-      for (const Vector3d& p : mesh.rest_positions) {
+      for (const Vector3d& p : makeDiscMesh(d.shape).rest_positions) {
         if (std::abs(p.z()) > 1e-9) continue;
         const double height =
             d.shape.height_posterior +

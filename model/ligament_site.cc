@@ -124,8 +124,8 @@ bool onSite(const Anatomy& anatomy, const std::string& level, const std::string&
     return by_rim && x < -0.25 * depth && x > canal_back && y > 0.1 * width && y < 0.4 * width;
   }
   if (starts("LF_")) {
-    // On the laminae: behind the middle of the canal.
-    return x < (canal_back - depth / 2) / 2 && x > canal_back - 8 * mm && y > 1 * mm;
+    // On the laminae, down to their roots at the pedicles.
+    return x < -depth / 2 + 0.3 * (canal_back + depth / 2) && x > canal_back - 8 * mm && y > 1 * mm;
   }
   if (starts("CL_")) return x < -depth / 2 && y > 5 * mm;
   if (starts("ISL")) return y < 2 * mm && behind_canal;

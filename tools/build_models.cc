@@ -1,6 +1,8 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "tools/build_models.h"
 
+#include <thread>
+
 #include "model/body.h"
 #include "tools/files.h"
 #include "tools/torso_mjcf.h"
@@ -27,8 +29,11 @@ void buildModels(const Anatomy& anatomy, const std::string& folder) {
   MjcfOptions human;
   human.limbs = true;
   human.scene = true;
-  for (const std::string& body : mjcfBodies(anatomy, human)) {
-    for (const BonePart& part : boneMesh(anatomy, body)) {
+  const Skeleton skeleton(anatomy, mjcfBodies(anatomy, human),
+                          static_cast<int>(std::thread::hardware_concurrency()));
+  human.skeleton = &skeleton;
+  for (const std::string& body : skeleton.bodies()) {
+    for (const BonePart& part : skeleton.parts(body)) {
       const TriMesh local = transformed(part.mesh, bodyFrame(anatomy, body).inverse());
       writeFile(folder + "/assets/" + boneMeshName(body, part.tissue) + ".stl", toStl(local));
     }
@@ -39,7 +44,9 @@ void buildModels(const Anatomy& anatomy, const std::string& folder) {
   tinyxml2::XMLDocument held;
   writeHeldScene(held);
   save(held, folder + "/torso_held.xml");
-  saveBody(anatomy, MjcfOptions(), folder + "/torso.xml");
+  MjcfOptions torso;
+  torso.skeleton = &skeleton;
+  saveBody(anatomy, torso, folder + "/torso.xml");
   saveBody(anatomy, human, folder + "/human.xml");
   human.kind = TorsoKind::kFixed;
   saveBody(anatomy, human, folder + "/human_fixed.xml");

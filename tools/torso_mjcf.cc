@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "model/body.h"
+#include "model/disc_fit.h"
 #include "model/facet.h"
 #include "model/ligament.h"
 #include "model/loft.h"
@@ -108,9 +109,16 @@ std::string Writer::host(const std::string& body) const {
 void Writer::write() {
   root_->SetAttribute("model", named(o_.limbs ? "human" : "torso").c_str());
   if (detailed()) {
-    facets_ = makeFacets(a_);
-    ligaments_ = makeLigaments(a_);
-    for (const Disc& disc : a_.discs) discs_.push_back(makeDiscMesh(disc.shape));
+    const Skeleton* bones = o_.skeleton;
+    facets_ = bones ? makeFacets(a_, *bones) : makeFacets(a_);
+    ligaments_ = bones ? makeLigaments(a_, *bones) : makeLigaments(a_);
+    for (const Disc& disc : a_.discs) {
+      discs_.push_back(makeDiscMesh(disc.shape));
+      if (!bones) continue;
+      fitDiscFaces(disc.frame, bones->bone(bodyOfLevel(a_, disc.lower)),
+                   bones->bone(bodyOfLevel(a_, disc.upper)), kDiscReach * a_.length_scale,
+                   &discs_.back());
+    }
   }
   if (o_.scene) Element(root_, "include").set("file", "scene.xml");
   writeOptions();
