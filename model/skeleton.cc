@@ -1,7 +1,7 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "model/skeleton.h"
 
-#include <mutex>
+#include <utility>
 
 #include "model/parallel.h"
 
@@ -21,20 +21,28 @@ std::vector<std::string> bodyNames(const Anatomy& anatomy) {
 
 Skeleton::Skeleton(const Anatomy& anatomy, const std::vector<std::string>& bodies, int threads)
     : bodies_(bodies) {
-  std::mutex mutex;
-  forEach(static_cast<int>(bodies.size()), threads, [&](int i) {
-    std::vector<BonePart> parts = boneMesh(anatomy, bodies[i]);
-    TriMesh bone, whole;
-    for (const BonePart& part : parts) {
-      if (part.tissue == Tissue::kBone) append(bone, part.mesh);
-      append(whole, part.mesh);
-    }
-    MeshTree tree(std::move(bone));
-    const std::lock_guard<std::mutex> lock(mutex);
-    bones_.emplace(bodies[i], std::move(tree));
-    if (parts.size() > 1) wholes_.emplace(bodies[i], MeshTree(std::move(whole)));
-    parts_.emplace(bodies[i], std::move(parts));
-  });
+  std::vector<std::vector<BonePart>> parts(bodies.size());
+  forEach(static_cast<int>(bodies.size()), threads,
+          [&](int i) { parts[i] = boneMesh(anatomy, bodies[i]); });
+  for (std::size_t i = 0; i < bodies.size(); i++) add(bodies[i], std::move(parts[i]));
+}
+
+Skeleton::Skeleton(std::map<std::string, std::vector<BonePart>> parts) {
+  for (auto& [body, surfaces] : parts) {
+    bodies_.push_back(body);
+    add(body, std::move(surfaces));
+  }
+}
+
+void Skeleton::add(const std::string& body, std::vector<BonePart> parts) {
+  TriMesh bone, whole;
+  for (const BonePart& part : parts) {
+    if (part.tissue == Tissue::kBone) append(bone, part.mesh);
+    append(whole, part.mesh);
+  }
+  bones_.emplace(body, MeshTree(std::move(bone)));
+  if (parts.size() > 1) wholes_.emplace(body, MeshTree(std::move(whole)));
+  parts_.emplace(body, std::move(parts));
 }
 
 const MeshTree& Skeleton::whole(const std::string& body) const {

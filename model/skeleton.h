@@ -22,6 +22,9 @@ class Skeleton {
  public:
   // Bones of these bodies, made on so many threads (at least 1). Throws as boneMesh does.
   Skeleton(const Anatomy& anatomy, const std::vector<std::string>& bodies, int threads);
+  // These surfaces, whatever they are, at least one of bone for each body. Throws
+  // std::invalid_argument as MeshTree does.
+  explicit Skeleton(std::map<std::string, std::vector<BonePart>> parts);
 
   const std::vector<std::string>& bodies() const { return bodies_; }
   bool has(const std::string& body) const { return parts_.count(body) > 0; }
@@ -33,6 +36,8 @@ class Skeleton {
   const MeshTree& whole(const std::string& body) const;
 
  private:
+  void add(const std::string& body, std::vector<BonePart> parts);
+
   std::vector<std::string> bodies_;
   std::map<std::string, std::vector<BonePart>> parts_;
   std::map<std::string, MeshTree> bones_;
