@@ -1,6 +1,7 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "model/facet.h"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "model/body_warp.h"
@@ -12,7 +13,8 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kBand = 0.2;  // Lee et al. 2023, equation 6
+constexpr double kFacetGap = 2e-3;  // bone to bone: two cartilages; as the bones are made
+constexpr double kBand = 0.2;       // Lee et al. 2023, equation 6
 
 // Half axes of a facet's ellipsoid over the face's width and height. The face is the middle of a
 // shell that is large enough for the opposite face to glide over in full flexion (about half its
@@ -84,8 +86,9 @@ void addZygapophyseal(const Anatomy& a, std::vector<Facet>& facets) {
     for (const ArticularFacet& face : a.facets) {
       if (face.level != disc.lower) continue;
       const Isometry3d X = a.boneFrame(face.level);
+      const Vector3d normal = X.linear() * face.normal;
       const bool cervical = disc.region == Region::kCervical;
-      Facet f = faceFacet(X * face.position, X.linear() * face.normal, face.width, face.height,
+      Facet f = faceFacet(X * face.position + kFacetGap * normal, normal, face.width, face.height,
                           cervical ? kCervicalThicknessFactor : kThicknessFactor);
       f.kind = Facet::Kind::kZygapophyseal;
       f.name = disc.name + "_left";
@@ -196,6 +199,89 @@ std::vector<Facet> makeFacets(const Anatomy& anatomy) {
     for (Vector3d& p : f.points) p *= scale;
   }
   return facets;
+}
+
+std::vector<Facet> makeFacets(const Anatomy& anatomy, const Skeleton& skeleton) {
+  std::vector<Facet> facets = makeFacets(anatomy);
+  for (std::size_t i = 0; i + 1 < facets.size(); i++) {
+    Facet& left = facets[i];
+    if (left.kind != Facet::Kind::kScapulothoracic || left.points_body != "left_scapula") continue;
+    fitToScapula(skeleton.bone("left_scapula"), anatomy.length_scale, &left);
+    facets[i + 1] = mirrored(left, "right_scapula", left.ellipsoid_body);
+  }
+  return facets;
+}
+
+void fitToScapula(const MeshTree& scapula, double size, Facet* facet) {
+  const double mm = 1e-3 * size;
+  // The costal surface: what looks at the thorax with nothing of the scapula in between.
+  const Vector3d thorax = facet->ellipsoid.translation();
+  std::vector<Vector3d> costal;
+  const TriMesh& mesh = scapula.mesh();
+  for (std::size_t i = 0; i < mesh.faces.size(); i++) {
+    const auto& f = mesh.faces[i];
+    const Vector3d a = mesh.vertices[f[0]], b = mesh.vertices[f[1]], c = mesh.vertices[f[2]];
+    const Vector3d n = scapula.normal(static_cast<int>(i));
+    for (const Vector3d& p : {Vector3d((a + b + c) / 3), Vector3d((a + b) / 2),
+                              Vector3d((b + c) / 2), Vector3d((c + a) / 2)}) {
+      const Vector3d inwards = (thorax - p).normalized();
+      if (n.dot(inwards) < 0.6) continue;
+      if (scapula.castRay(p + 0.1 * mm * n, inwards).face < 0) costal.push_back(p);
+    }
+  }
+  if (costal.empty()) return;
+  const auto nearest = [&](const Vector3d& from, const auto& cost) {
+    const Vector3d* best = &costal.front();
+    for (const Vector3d& p : costal) {
+      if (cost(p, from) < cost(*best, from)) best = &p;
+    }
+    return *best;
+  };
+  std::array<Vector3d, 4> corners;
+  for (int k = 0; k < 4; k++) {
+    corners[k] = nearest(facet->points[k],
+                         [](const Vector3d& p, const Vector3d& from) { return (p - from).norm(); });
+  }
+
+  // Half axes and centre, by least squares (Gauss and Newton, differences), held to what they were:
+  // 10 mm off there weighs as much as 1 mm between a corner and the ellipsoid.
+  using Vector6d = Eigen::Matrix<double, 6, 1>;
+  using Vector10d = Eigen::Matrix<double, 10, 1>;
+  const Matrix3d axes = facet->ellipsoid.linear();
+  const Vector3d radii = facet->radii;
+  const auto level = [&](const Vector6d& x, const Vector3d& p) {  // 1 on the ellipsoid
+    return (axes.transpose() * (p - thorax - x.tail<3>()))
+        .cwiseQuotient(radii + x.head<3>())
+        .norm();
+  };
+  const auto residuals = [&](const Vector6d& x) {
+    Vector10d r;
+    for (int k = 0; k < 4; k++) r[k] = (level(x, corners[k]) - 1) * (corners[k] - thorax).norm();
+    r.tail<6>() = 0.1 * x;
+    return r;
+  };
+  Vector6d x = Vector6d::Zero();
+  for (int pass = 0; pass < 10; pass++) {
+    const Vector10d r = residuals(x);
+    Eigen::Matrix<double, 10, 6> J;
+    for (int k = 0; k < 6; k++) {
+      Vector6d y = x;
+      y[k] += 1e-6;
+      J.col(k) = (residuals(y) - r) / 1e-6;
+    }
+    x -= (J.transpose() * J).ldlt().solve(J.transpose() * r);
+  }
+  facet->radii = radii + x.head<3>();
+  facet->ellipsoid.translation() = thorax + x.tail<3>();
+
+  for (int k = 0; k < 4; k++) {
+    // About the corner; a millimetre off the ellipsoid counts as much as ten along it.
+    const Vector3d p = nearest(corners[k], [&](const Vector3d& q, const Vector3d& from) {
+      return 10 * std::abs(level(x, q) - 1) * (q - thorax).norm() + (q - from).norm();
+    });
+    const Vector3d centre = facet->ellipsoid.translation();
+    facet->points[k] = centre + (p - centre) / level(x, p);
+  }
 }
 
 }  // namespace torso

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "model/anatomy.h"
+#include "model/skeleton.h"
 
 namespace torso {
 
@@ -40,5 +41,15 @@ struct Facet {
 
 // The 74 facets: 22 gaps x 2, T1-T7 x (costovertebral, costotransverse) x 2, scapulothoracic x 2.
 std::vector<Facet> makeFacets(const Anatomy& anatomy);
+
+// The same with the scapulothoracic ones fitted to the bones: their points on the costal surface of
+// the scapula, their ellipsoid through them. The skeleton has both scapulae, or std::out_of_range
+// is thrown.
+std::vector<Facet> makeFacets(const Anatomy& anatomy, const Skeleton& skeleton);
+
+// Fits a left scapulothoracic facet to the left scapula (standing body [m]): moves its points to
+// the costal surface, and half axes and centre of the ellipsoid by some millimetres so that it
+// passes through them. size: of the body, over the tables'.
+void fitToScapula(const MeshTree& scapula, double size, Facet* facet);
 
 }  // namespace torso

@@ -5,6 +5,9 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "model/body.h"
+#include "model/ligament_site.h"
+
 namespace torso {
 namespace {
 
@@ -159,6 +162,19 @@ std::vector<LigamentSegment> makeLigaments(const Anatomy& anatomy) {
           ligament.max_length_ratio.at(disc.name) * (s.upper_point - s.lower_point).norm();
       segments.push_back(s);
     }
+  }
+  return segments;
+}
+
+std::vector<LigamentSegment> makeLigaments(const Anatomy& anatomy, const Skeleton& skeleton) {
+  std::vector<LigamentSegment> segments = makeLigaments(anatomy);
+  for (LigamentSegment& s : segments) {
+    const double ratio = s.max_length / (s.upper_point - s.lower_point).norm();
+    s.lower_point = ligamentSite(anatomy, s.lower, s.ligament, true, s.lower_point,
+                                 skeleton.bone(bodyOfLevel(anatomy, s.lower)));
+    s.upper_point = ligamentSite(anatomy, s.upper, s.ligament, false, s.upper_point,
+                                 skeleton.bone(bodyOfLevel(anatomy, s.upper)));
+    s.max_length = ratio * (s.upper_point - s.lower_point).norm();
   }
   return segments;
 }

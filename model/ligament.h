@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/anatomy.h"
+#include "model/skeleton.h"
 
 namespace torso {
 
@@ -17,7 +18,12 @@ struct LigamentSegment {
   double max_length;                         // [m]
 };
 
-// The 20 ligaments across the 22 gaps S1-L5 .. C4-C3, gap by gap from below.
+// The 20 ligaments across the 22 gaps S1-L5 .. C4-C3, gap by gap from below. Their points are
+// estimated from the tables, a few millimetres off the bones' surfaces.
 std::vector<LigamentSegment> makeLigaments(const Anatomy& anatomy);
+
+// The same on the surfaces of the bones. The skeleton has "pelvis" and all free vertebrae, or
+// std::out_of_range is thrown.
+std::vector<LigamentSegment> makeLigaments(const Anatomy& anatomy, const Skeleton& skeleton);
 
 }  // namespace torso

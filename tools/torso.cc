@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   addView(app);
   addRender(app);
   addBench(app);
+  addBones(app);
   addTimestep(app);
   addGraft(app);
   addDiscs(app);

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "model/body.h"
+#include "model/disc_fit.h"
 #include "model/facet.h"
 #include "model/ligament.h"
 #include "model/loft.h"
@@ -113,16 +114,21 @@ std::string Writer::host(const std::string& body) const {
 void Writer::write() {
   root_->SetAttribute("model", named(o_.limbs ? "human" : "torso").c_str());
   if (detailed()) {
-    for (const Facet& facet : makeFacets(a_)) {
+    const Skeleton* bones = o_.skeleton;
+    for (const Facet& facet : bones ? makeFacets(a_, *bones) : makeFacets(a_)) {
       if (has(facet.points_body) && has(facet.ellipsoid_body)) facets_.push_back(facet);
     }
-    for (const LigamentSegment& s : makeLigaments(a_)) {
+    for (const LigamentSegment& s : bones ? makeLigaments(a_, *bones) : makeLigaments(a_)) {
       if (has(bodyOfLevel(a_, s.lower)) && has(bodyOfLevel(a_, s.upper))) ligaments_.push_back(s);
     }
     for (const Disc& disc : a_.discs) {
       if (!has(bodyOfLevel(a_, disc.lower)) || !has(bodyOfLevel(a_, disc.upper))) continue;
       levels_.push_back(disc);
       discs_.push_back(makeDiscMesh(disc.shape));
+      if (!bones) continue;
+      fitDiscFaces(disc.frame, bones->bone(bodyOfLevel(a_, disc.lower)),
+                   bones->bone(bodyOfLevel(a_, disc.upper)), kDiscReach * a_.length_scale,
+                   &discs_.back());
     }
   }
   if (o_.scene) Element(root_, "include").set("file", "scene.xml");

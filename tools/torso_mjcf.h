@@ -8,6 +8,7 @@
 
 #include "model/anatomy.h"
 #include "model/bone_mesh.h"
+#include "model/skeleton.h"
 
 namespace torso::tools {
 
@@ -23,6 +24,9 @@ struct MjcfOptions {
   std::string prefix;               // put before every name
   double mesh_scale = 1;            // of the bone meshes, which are made at the size of the tables
   std::string mesh_dir = "assets";  // where they are, relative to the MJCF
+  // Bones that discs, ligaments and facets are fitted to, of this anatomy; null: they are left
+  // where the tables have them, some millimetres off the surfaces. Outlives the call.
+  const Skeleton* skeleton = nullptr;
   std::vector<std::string>
       only;              // these bodies, and of the rest what lies between them; empty: all
   std::string anchored;  // this body is fixed to the world
