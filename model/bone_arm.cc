@@ -23,9 +23,9 @@ Solid ulna() {
   Sculpture bone;
   bone.add(tubeSolid({section(-17, -9, -26, 8, 12), section(-14, -8.5, -40, 7.2, 9.5),
                       section(-13, -7, -65, 6.4, 8), section(-13, -4, -105, 6, 7),
-                      section(-14.5, -1.5, -150, 5.6, 6.2), section(-17, 0, -195, 5, 5.2),
-                      section(-18.5, 0, -222, 5, 5), section(-19, 0, W + 27, 7, 7),
-                      section(-19, 0, W + 21, 8, 8)},
+                      section(-14.5, -1.5, -150, 5.6, 6.2), section(-16.5, 0, -195, 5, 5.2),
+                      section(-17.5, 0, -222, 5, 5), section(-17.5, 0, W + 27, 7, 7),
+                      section(-17.5, 0, W + 21, 8, 8)},
                      kForward, 2.2, 0.5));
   // Olecranon behind the elbow, coronoid process in front of and below it.
   bone.add(tubeSolid({section(-18, -9, -26, 8.5, 10), section(-19.5, -9.5, -10, 10.5, 7.5),
@@ -42,8 +42,8 @@ Solid ulna() {
                       section(-10.5, 1, -165, 1.6, 3)},
                      kLeft),
            6);
-  bone.add(tubeSolid({section(-24, 0, W + 28, 3.5, 4), section(-25, 0, W + 19, 2.8, 3),
-                      section(-25, 0, W + 14.5, 2, 2)},
+  bone.add(tubeSolid({section(-22.5, 0, W + 28, 3.5, 4), section(-23.5, 0, W + 19, 2.8, 3),
+                      section(-23.5, 0, W + 14.5, 2, 2)},
                      kForward),
            3);  // styloid process
   return bone.solid();
@@ -74,7 +74,7 @@ Solid radius() {
            4);
   bone.cut(ballSolid({1, 13, -3.5}, 11), 1);                              // fovea of the head
   bone.cut(ellipsoidSolid({11.5, -0.5, W - 1.5}, {20, 14, 11.5}), 1.5);    // for the wrist
-  bone.cut(rollSolid({-19, 0, W + 24}, kUp, 9, 8, 3), 2);                 // notch for the ulna
+  bone.cut(rollSolid({-17.5, 0, W + 22}, kUp, 9.2, 8, 3), 2);                 // notch for the ulna
   return bone.solid();
 }
 
@@ -136,12 +136,12 @@ Solid humerusSolid() {
                      kForward),
            6);
   // Epicondyles, the medial one far out.
-  bone.add(tubeSolid({section(-2, -22, E + 6, 8, 6.5), section(-5, -31, E + 9, 5.5, 5)}, kUp), 6);
+  bone.add(tubeSolid({section(-2, -22, E + 8, 9, 6.5), section(-5, -32, E + 11, 5.5, 5)}, kUp), 6);
   bone.add(ellipsoidSolid({-1, 24, E + 9}, {6, 5.5, 8}), 5);
   // Trochlea, a spool with a higher medial lip, and capitulum, a ball that looks forward.
   const Vector3d axis = turned(-4, kForward) * kLeft;
-  bone.add(tubeSolid({section(0, -21.5, E - 0.5, 13.6, 13.6), section(0, -18, E, 12.8, 12.8),
-                      section(0, -10, E, 9.2, 9.2), section(0, -2, E, 10.8, 10.8),
+  bone.add(tubeSolid({section(0, -19.5, E - 0.5, 13.4, 13.4), section(0, -16, E, 12.2, 12.2),
+                      section(0, -9, E, 9, 9), section(0, -2, E, 10.8, 10.8),
                       section(0, 1, E, 10.6, 10.6)},
                      kUp, 2, 0.12),
            3);

@@ -30,38 +30,38 @@ std::vector<Solid> carpals() {
   std::vector<Solid> bones;
   // Scaphoid: its pole reaches under the radius, its tubercle to the palm.
   bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({1.5, 10, -1.5}, {8.5, 9.5, 8}, axesAlong(1, 0.5), 2.3))
-                      .add(ellipsoidSolid({9.5, 16, 4}, {7.5, 5, 6}, axesAlong(1, 0.5)), 5)
+                      .add(ellipsoidSolid({1, 12, -1.5}, {9.5, 10.5, 8.5}, axesAlong(1, 0.5), 2.3))
+                      .add(ellipsoidSolid({9.5, 18.5, 4}, {7.5, 5.5, 6}, axesAlong(1, 0.5)), 5)
                       .solid());
   // Lunate: a crescent, deeper than broad.
-  bones.push_back(ellipsoidSolid({0.5, -2, 0}, {8.5, 8.5, 9}, straight, 2.4));
+  bones.push_back(ellipsoidSolid({0, -1.5, 0}, {9, 9.5, 9.5}, straight, 2.5));
   // Triquetrum: a pyramid; pisiform: a pea on its palm.
   bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({4.5, -14, -0.5}, {7.5, 7.5, 7}, axesAlong(1, -0.5), 2.3))
+                      .add(ellipsoidSolid({4, -15.5, -0.5}, {9, 8.5, 7.5}, axesAlong(1, -0.5), 2.5))
                       .solid());
-  bones.push_back(ellipsoidSolid({4, -15.5, 10}, {6.5, 5.2, 4.6}));
+  bones.push_back(ellipsoidSolid({4, -18.5, 9.5}, {6.5, 5.5, 5}));
   // Trapezium, with its ridge; its saddle looks to the thumb.
   bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({16.5, 19, 3.5}, {7.5, 7.5, 6.5}, axesAlong(1, 0.6), 3))
-                      .add(ellipsoidSolid({15, 14.5, 9}, {5, 2.6, 3.5}, axesAlong(1, 0.4)), 3)
+                      .add(ellipsoidSolid({16.5, 22, 3.5}, {8.5, 8.5, 7.5}, axesAlong(1, 0.6), 3))
+                      .add(ellipsoidSolid({15, 17, 10}, {5.5, 2.8, 3.8}, axesAlong(1, 0.4)), 3)
                       .solid());
   // Trapezoid: a wedge, broad at the back of the hand.
   bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({18, 10.5, -3}, {6.5, 6.5, 5.5}, straight, 2.6))
-                      .add(ellipsoidSolid({18, 10, 2}, {5.5, 4.5, 5}, straight, 2.4), 4)
+                      .add(ellipsoidSolid({18, 12, -3}, {8, 8, 6.5}, straight, 2.6))
+                      .add(ellipsoidSolid({18, 11.5, 2.5}, {6.5, 5.5, 5.5}, straight, 2.4), 4)
                       .solid());
   // Capitate: a head between scaphoid and lunate, a waist, a broad body.
   bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({8.5, 1.5, -0.5}, {7, 6.8, 7}))
-                      .add(ellipsoidSolid({18.5, 1.5, -0.5}, {8.5, 7.5, 8.5}, straight, 2.8), 4)
+                      .add(ellipsoidSolid({8.5, 2, -0.5}, {8, 8, 7.8}))
+                      .add(ellipsoidSolid({18.5, 2, -0.5}, {9, 9.5, 9}, straight, 2.8), 4)
                       .solid());
   // Hamate: a wedge with its hook to the palm.
   bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({18, -11.5, -1}, {8, 8.5, 7.5}, axesAlong(1, -0.15), 2.6))
-                      .add(ellipsoidSolid({11, -7, -1}, {7, 5.5, 7}), 4)
-                      .add(tubeSolid({section(18.5, -10.5, 5, 4.5, 2.6),
-                                      section(19, -11, 11, 3.6, 2),
-                                      section(19, -9.5, 13.5, 3.2, 1.8)},
+                      .add(ellipsoidSolid({18, -13, -1}, {9, 10, 8}, axesAlong(1, -0.15), 2.6))
+                      .add(ellipsoidSolid({11, -7.5, -1}, {8, 6.5, 7.5}), 4)
+                      .add(tubeSolid({section(18.5, -12, 5, 5, 3),
+                                      section(19, -12.5, 11, 4, 2.4),
+                                      section(19, -11, 14, 3.6, 2.2)},
                                      Vector3d::UnitY()),
                            3)
                       .solid());
@@ -77,15 +77,15 @@ struct Finger {
 
 const std::vector<Finger>& fingers() {
   static const std::vector<Finger> kFingers = {
-      {{7.2, 6.8}, {4.6, 4}, {7.6, 6.2}, {{20.5, 25, 6}, {61, 42, 14}, {91, 51, 16}, {115, 57, 16}}},
+      {{7.2, 6.8}, {4.6, 4}, {7.6, 6.2}, {{21, 28.5, 6}, {61, 42, 14}, {91, 51, 16}, {115, 57, 16}}},
       {{8, 7.4}, {4.2, 4.2}, {7.2, 7.4},
-       {{21, 12.5, -1}, {91, 21, 0}, {132, 25, 5}, {155, 26, 9}, {172, 26, 12}}},
+       {{21, 14.5, -1}, {91, 21, 0}, {132, 25, 5}, {155, 26, 9}, {172, 26, 12}}},
       {{6.8, 8}, {4.2, 4.3}, {7.2, 7.6},
-       {{23.5, 2, -1}, {92, 3.5, -1}, {137, 4, 4}, {164, 3, 4}, {kHandLength, 0, 0}}},
+       {{23.5, 3, -1}, {92, 3.5, -1}, {137, 4, 4}, {164, 3, 4}, {kHandLength, 0, 0}}},
       {{5.8, 6.6}, {3.5, 3.7}, {6.3, 6.8},
-       {{23, -8, 0}, {86.5, -12, 0}, {128, -15, 6}, {153.5, -16, 10}, {172, -16, 13}}},
+       {{23, -8.5, 0}, {86.5, -12, 0}, {128, -15, 6}, {153.5, -16, 10}, {172, -16, 13}}},
       {{6, 5.8}, {3.4, 3.4}, {6, 6.2},
-       {{22, -15.5, 1}, {77.5, -25.5, 2}, {110, -31, 8}, {128.5, -33, 12}, {145, -34, 15}}}};
+       {{22, -18, 1}, {77.5, -25.5, 2}, {110, -31, 8}, {128.5, -33, 12}, {145, -34, 15}}}};
   return kFingers;
 }
 
@@ -103,7 +103,7 @@ TriMesh handMesh(const Anatomy& anatomy) {
   X.translation() = wrist;
 
   std::vector<Solid> bones = carpals();
-  std::vector<int> faces(bones.size(), 220);
+  std::vector<int> faces(bones.size(), 200);
   for (const Finger& finger : fingers()) {
     const bool is_thumb = &finger == &fingers().front();
     // The thumb's nail looks forward, the others' to the back of the hand.
@@ -116,21 +116,21 @@ TriMesh handMesh(const Anatomy& anatomy) {
       if (k == 0) {
         bones.push_back(rayBone(RayBone::kMetapodial, a, b - joint, dorsal, finger.base,
                                 finger.waist, finger.head));
-        faces.push_back(260);
+        faces.push_back(250);
         continue;
       }
       const Vector2d base = half.cwiseProduct(k == 1 ? Vector2d(1.02, 0.88) : Vector2d(1, 0.95));
       if (k == last) {
         bones.push_back(rayBone(RayBone::kTerminal, a + joint, b, dorsal, base,
-                                base.cwiseProduct(Vector2d(0.5, 0.5)),
-                                base.cwiseProduct(Vector2d(0.66, 0.42))));
-        faces.push_back(130);
+                                base.cwiseProduct(Vector2d(0.55, 0.5)),
+                                base.cwiseProduct(Vector2d(0.74, 0.42))));
+        faces.push_back(120);
         continue;
       }
       const Vector2d head = base.cwiseProduct(Vector2d(0.8, 0.72));
       bones.push_back(rayBone(RayBone::kPhalanx, a + joint, b - joint, dorsal, base,
                               base.cwiseProduct(Vector2d(0.6, 0.5)), head));
-      faces.push_back(170);
+      faces.push_back(160);
       half = head.cwiseProduct(Vector2d(1.08, 1.12));
     }
   }

@@ -125,7 +125,8 @@ Solid femurSolid() {
                      kUp),
            7);
   // Greater trochanter with its fossa; lesser trochanter; the crest between them behind.
-  bone.add(tubeSolid({section(-9, 58, -52, 12, 17), section(-9, 60, -38, 12, 20),
+  bone.add(tubeSolid({section(-8, 52, -68, 10, 14), section(-9, 57, -52, 11.5, 17),
+                      section(-9, 60, -38, 12, 20),
                       section(-11, 59, -22, 11, 18.5), section(-16, 55, -10, 8.5, 13),
                       section(-20, 50.5, -4, 5.5, 8)},
                      kForward, 2.3),
@@ -167,8 +168,10 @@ Solid femurSolid() {
   for (double side : {-1.0, 1.0}) {
     const double lateral = side > 0 ? 1.0 : 0.0;
     const Vector3d axis = turned(-6 * side, kUp) * kLeft;
-    bone.add(rollSolid({-10, 24.5 * side, K + 0.5}, axis, 20.5, 13, 8), 6);
-    bone.add(rollSolid({-1 + lateral, 23.5 * side, K + 7.5}, axis, 29.5, 13.5, 9), 6);
+    bone.add(rollSolid({-10, 24.5 * side, K + 0.5}, axis, 20.5, 12.5, 8), 6);
+    bone.add(ellipsoidSolid({lateral, 23 * side, K + 5.5}, {31, 14.5, 27.5},
+                            turned(-6 * side, kUp) * turned(-15, kLeft), 2.5),
+             6);
     bone.add(ellipsoidSolid({-7, 36 * side, K + 5}, {11, 5.5, 12}), 8);  // epicondyle
     // Lips of the patellar surface, the lateral one higher.
     bone.add(ellipsoidSolid({15 + 2 * lateral, 16 * side + 1, K + 12}, {16, 12, 22 + 3 * lateral},
