@@ -58,8 +58,8 @@ Solid radius() {
                       section(14.5, 5, -195, 6.8, 9), section(11.5, 1.5, -226, 8.5, 12.5),
                       section(10, 0, W + 22, 10.5, 16), section(10, 0, W + 12, 11, 17)},
                      kForward, 2.3, 0.2));
-  bone.add(rollSolid({1, 13, -16.5}, kUp, 11.3, 5, 2), 3);       // head
-  bone.add(ellipsoidSolid({-2, 6.5, -46}, {5, 5, 10}), 5);       // tuberosity
+  bone.add(rollSolid({1, 13, -16.5}, kUp, 11.3, 5, 2), 3);  // head
+  bone.add(ellipsoidSolid({-2, 6.5, -46}, {5, 5, 10}), 5);  // tuberosity
   bone.add(tubeSolid({section(1, 9, -75, 3, 2), section(3.5, 7, -120, 3, 1.6),
                       section(5.5, 4, -170, 3, 1.6), section(2, 1, -215, 3, 3)},
                      kLeft),
@@ -69,12 +69,12 @@ Solid radius() {
                      kForward),
            5);  // styloid process
   // Tubercle of Lister on the back of the wrist, which looks outwards here.
-  bone.add(tubeSolid({section(9, 10.5, W + 28, 2.2, 2.5), section(9, 11.5, W + 17, 2.2, 2.5)},
-                     kForward),
-           4);
-  bone.cut(ballSolid({1, 13, -3.5}, 11), 1);                              // fovea of the head
-  bone.cut(ellipsoidSolid({11.5, -0.5, W - 1.5}, {20, 14, 11.5}), 1.5);    // for the wrist
-  bone.cut(rollSolid({-17.5, 0, W + 22}, kUp, 9.2, 8, 3), 2);                 // notch for the ulna
+  bone.add(
+      tubeSolid({section(9, 10.5, W + 28, 2.2, 2.5), section(9, 11.5, W + 17, 2.2, 2.5)}, kForward),
+      4);
+  bone.cut(ballSolid({1, 13, -3.5}, 11), 1);                             // fovea of the head
+  bone.cut(ellipsoidSolid({11.5, -0.5, W - 1.5}, {20, 14, 11.5}), 1.5);  // for the wrist
+  bone.cut(rollSolid({-17.5, 0, W + 22}, kUp, 9.2, 8, 3), 2);            // notch for the ulna
   return bone.solid();
 }
 
@@ -85,13 +85,13 @@ Solid radius() {
 Solid humerusSolid() {
   constexpr double E = -kUpperArmLength;
   Sculpture bone;
-  bone.add(tubeSolid({section(1, 8, -8, 18, 18), section(1, 8.5, -22, 16.5, 16.5),
-                      section(0, 7.5, -38, 13.5, 13.5), section(-1, 6, -58, 11.8, 12),
-                      section(-1, 4, -95, 11, 11.4), section(0, 2, -140, 10.6, 11),
-                      section(1, 0.5, -185, 11, 9.8), section(1, 0, -220, 14, 8.6),
-                      section(0.5, -1.5, -245, 20, 7.6), section(0, -3, -261, 25, 6.6),
-                      section(0, -3.5, -268, 24, 6.2)},
-                     kForward, 2.1, 0.4));
+  bone.add(tubeSolid(
+      {section(1, 8, -8, 18, 18), section(1, 8.5, -22, 16.5, 16.5),
+       section(0, 7.5, -38, 13.5, 13.5), section(-1, 6, -58, 11.8, 12),
+       section(-1, 4, -95, 11, 11.4), section(0, 2, -140, 10.6, 11), section(1, 0.5, -185, 11, 9.8),
+       section(1, 0, -220, 14, 8.6), section(0.5, -1.5, -245, 20, 7.6),
+       section(0, -3, -261, 25, 6.6), section(0, -3.5, -268, 24, 6.2)},
+      kForward, 2.1, 0.4));
   bone.add(ballSolid({0, 0, 0}, 23), 3);
   // The head is less than half a ball: the anatomical neck, a groove all around.
   const Vector3d head = Vector3d(-0.38, -0.68, 0.62).normalized();
@@ -100,9 +100,9 @@ Solid humerusSolid() {
                       section(1, 17, -26, 7, 10)},
                      kForward, 2.3),
            6);
-  bone.add(tubeSolid({section(17, 5, -2, 7, 6), section(18, 6, -12, 6.5, 6),
-                      section(13, 4, -28, 4, 4.5)},
-                     kForward),
+  bone.add(tubeSolid(
+               {section(17, 5, -2, 7, 6), section(18, 6, -12, 6.5, 6), section(13, 4, -28, 4, 4.5)},
+               kForward),
            6);
   bone.add(tubeSolid({section(12, 14.5, -20, 3, 3.5), section(10, 11.5, -48, 2.4, 3.4),
                       section(9, 7.5, -85, 2, 3)},
@@ -116,8 +116,8 @@ Solid humerusSolid() {
   const Vector3d across = head.unitOrthogonal(), along = head.cross(across);
   for (int k = 0; k <= 16; k++) {
     const double a = 2 * EIGEN_PI * k / 16;
-    groove.push_back({-2 * head + 25 * (std::cos(a) * across + std::sin(a) * along), 3, 3,
-                      Vector3d::Zero()});
+    groove.push_back(
+        {-2 * head + 25 * (std::cos(a) * across + std::sin(a) * along), 3, 3, Vector3d::Zero()});
   }
   bone.cut(tubeSolid(groove, head), 4);
   // Deltoid tuberosity; groove of the radial nerve behind it.
@@ -154,10 +154,9 @@ Solid humerusSolid() {
 }
 
 TriMesh humerusMesh(const Anatomy& anatomy) {
-  return surface(
-      humerusSolid(), 1.3, 2000,
-      limbPlace(anatomy.landmark("glenohumeral_centre_GH"), anatomy.landmark("elbow"),
-                kUpperArmLength));
+  return surface(humerusSolid(), 1.8, 2000,
+                 limbPlace(anatomy.landmark("glenohumeral_centre_GH"), anatomy.landmark("elbow"),
+                           kUpperArmLength));
 }
 
 TriMesh forearmMesh(const Anatomy& anatomy) {
@@ -168,7 +167,7 @@ TriMesh forearmMesh(const Anatomy& anatomy) {
   const Solid humerus = grown(moved(humerusSolid(), forearm.inverse() * upper_arm), 1.2);
   TriMesh mesh;
   for (const Solid& bone : keptApart({ulna(), radius()}, 1)) {
-    append(mesh, surface(Sculpture().add(bone).cut(humerus, 0.5).solid(), 1.1, 1250, forearm));
+    append(mesh, surface(Sculpture().add(bone).cut(humerus, 0.5).solid(), 1.4, 1250, forearm));
   }
   return mesh;
 }

@@ -23,20 +23,20 @@ Matrix3d turned(double degrees, const Vector3d& axis) {
 
 Solid calcaneus() {
   Sculpture bone;
-  bone.add(tubeSolid({section(11, 1, 23, 12, 19), section(22, 0.5, 26, 12, 19),
-                      section(38, 1, 31, 11.5, 16.5), section(54, 4, 33, 12.5, 14.5),
-                      section(68, 8, 31, 12.5, 12.5), section(79, 11, 29, 12, 12)},
-                     kUp, 2.4, 0.35));
+  bone.add(tubeSolid(
+      {section(11, 1, 23, 12, 19), section(22, 0.5, 26, 12, 19), section(38, 1, 31.5, 12, 17),
+       section(54, 4, 33, 13, 15.5), section(68, 8, 31, 13, 13.5), section(79, 11, 29.5, 12.5, 13)},
+      kUp, 2.4, 0.35));
   bone.add(ellipsoidSolid({8, 1, 24}, {8, 12.5, 19}, turned(-8, kLateral), 2.2), 6);  // tuber
   bone.add(ellipsoidSolid({14, -5.5, 6.5}, {11, 7.5, 6.5}), 6);  // its medial process
   bone.add(ellipsoidSolid({14, 9, 7.5}, {7, 5, 6}), 5);          // and its lateral process
-  bone.add(ellipsoidSolid({47, 3, 44}, {13, 11, 9}, turned(35, kLateral)), 6);  // posterior facet
+  bone.add(ellipsoidSolid({47, 2, 46}, {16, 13, 11}, turned(35, kLateral)), 6);  // posterior facet
   bone.add(tubeSolid({section(54, -5, 42, 10, 6), section(56, -17, 45.5, 9, 4)}, kUp, 2.3), 6);
   bone.add(ellipsoidSolid({52, 15, 24}, {6, 3, 3}, turned(-25, kLateral)), 4);  // peroneal trochlea
-  bone.cut(tubeSolid({section(30, -17, 20, 8, 6), section(50, -16, 27, 9, 8),
-                      section(72, -9, 24, 8, 8)},
-                     kUp),
-           6);  // hollow under the sustentaculum
+  bone.cut(
+      tubeSolid({section(30, -17, 20, 8, 6), section(50, -16, 27, 9, 8), section(72, -9, 24, 8, 8)},
+                kUp),
+      6);                                                  // hollow under the sustentaculum
   bone.cut(ellipsoidSolid({66, 12, 46}, {10, 10, 5}), 5);  // sinus tarsi
   return bone.solid();
 }
@@ -45,7 +45,7 @@ Solid talus() {
   Sculpture bone;
   // Body: a pulley about the axis of the ankle, broader in front.
   bone.add(rollSolid({57, -4, 62}, kLateral, 20, 15, 2.5));
-  bone.cut(halfSpace({57, -4, 51}, {0.25, 0, 1}), 5);
+  bone.cut(halfSpace({57, -4, 47}, Vector3d(0.25, 0, 1).normalized()), 5);
   bone.cut(tubeSolid({section(33, -4, 72, 7, 3.5), section(44, -4, 82, 7, 3.5),
                       section(57, -4, 86, 7, 3.5), section(70, -4, 82, 7, 3.5),
                       section(81, -4, 72, 7, 3.5)},
@@ -69,7 +69,8 @@ std::vector<Solid> tarsals() {
   std::vector<Solid> bones = {calcaneus(), talus()};
   // Navicular: a boat about the head of the talus, its tuberosity on the medial side.
   bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({97, -10.5, 49.5}, {9.5, 19, 13.5}, turned(-10, kUp), 2.3))
+                      .add(ellipsoidSolid({97, -10, 49.5}, {9.5, 18.5, 13.5},
+                                          turned(-10, kUp) * turned(8, kForward), 2.6))
                       .add(ellipsoidSolid({94, -28, 42}, {7, 6, 7.5}), 6)
                       .solid());
   // Cuboid: longer on the medial side, a groove for the tendon of peroneus longus below.
@@ -82,10 +83,11 @@ std::vector<Solid> tarsals() {
                            3)
                       .solid());
   // Cuneiforms: wedges; the medial one's edge points up, the others' down.
-  bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({114, -23, 37}, {13.5, 9, 9}, turned(4, kUp), 2.8))
-                      .add(ellipsoidSolid({114, -19, 47}, {12.5, 6, 9}, turned(4, kUp), 2.5), 5)
-                      .solid());
+  bones.push_back(
+      Sculpture()
+          .add(ellipsoidSolid({114, -23, 37}, {13.5, 9, 9}, turned(4, kUp), 2.8))
+          .add(ellipsoidSolid({113.5, -19.5, 45}, {12.8, 7, 10}, turned(4, kUp), 2.5), 9)
+          .solid());
   bones.push_back(Sculpture()
                       .add(ellipsoidSolid({111, -9, 50}, {10, 8.5, 7}, turned(4, kUp), 2.8))
                       .add(ellipsoidSolid({111, -8, 42}, {9, 5.5, 10}, turned(4, kUp), 2.4), 4)
@@ -105,15 +107,25 @@ struct Ray {
 
 const std::vector<Ray>& rays() {
   static const std::vector<Ray> kRays = {
-      {{9.5, 14}, {6.4, 7}, {10.5, 10.5},
+      {{9.5, 14},
+       {6.4, 7},
+       {10.5, 10.5},
        {{125.5, -22.5, 37}, {187, -29, 15}, {219, -24.5, 12}, {244, -20, 9}}},
-      {{7, 10}, {3.9, 4.2}, {5.8, 7.8},
+      {{7, 10},
+       {3.9, 4.2},
+       {5.8, 7.8},
        {{119, -8.5, 46.5}, {197, -9, 15}, {224, -6.5, 17}, {236.5, -5.5, 11}, {247, -4.5, 6}}},
-      {{6.8, 9.5}, {3.7, 4.1}, {5.5, 7.4},
+      {{6.8, 9.5},
+       {3.7, 4.1},
+       {5.5, 7.4},
        {{122.5, 4.5, 42}, {193.5, 6, 14}, {217.5, 8.5, 16}, {228, 9.5, 10.5}, {238, 10, 5.5}}},
-      {{6.8, 9}, {3.7, 4.1}, {5.4, 7.2},
+      {{6.8, 9},
+       {3.7, 4.1},
+       {5.4, 7.2},
        {{117, 16, 35.5}, {185, 20, 13}, {207, 22.5, 14.5}, {216, 23.5, 9.5}, {225, 24, 5}}},
-      {{8.5, 7.5}, {4.2, 4}, {5.6, 6.6},
+      {{8.5, 7.5},
+       {4.2, 4},
+       {5.6, 6.6},
        {{110, 26, 27}, {172.5, 34, 11.5}, {192.5, 36.5, 12.5}, {200, 37.5, 8.5}, {208, 38, 4.8}}}};
   return kRays;
 }
@@ -132,7 +144,7 @@ TriMesh footMesh(const Anatomy& anatomy) {
   X.translation() = Vector3d(heel.x(), heel.y(), anatomy.landmark("sole").z());
 
   std::vector<Solid> bones = tarsals();
-  std::vector<int> faces = {620, 560, 240, 280, 190, 160, 180};
+  std::vector<int> faces = {600, 540, 230, 270, 180, 150, 170};
   for (const Ray& ray : rays()) {
     const bool great = &ray == &rays().front(), little = &ray == &rays().back();
     Vector2d half = ray.head;
@@ -142,11 +154,10 @@ TriMesh footMesh(const Anatomy& anatomy) {
       const Vector3d joint = (b - a).normalized() * 0.6;  // cartilage
       if (k == 0) {
         Sculpture bone;
-        bone.add(
-            rayBone(RayBone::kMetapodial, a, b - joint, kUp, ray.base, ray.waist, ray.head));
+        bone.add(rayBone(RayBone::kMetapodial, a, b - joint, kUp, ray.base, ray.waist, ray.head));
         if (little) bone.add(ellipsoidSolid({107, 33, 23}, {9, 4.5, 5}, turned(8, kUp)), 5);
         bones.push_back(bone.solid());
-        faces.push_back(great ? 300 : 240);
+        faces.push_back(great ? 290 : 230);
         continue;
       }
       const Vector2d base = half.cwiseProduct(k == 1 ? Vector2d(1, 0.85) : Vector2d(1, 0.95));
@@ -154,13 +165,13 @@ TriMesh footMesh(const Anatomy& anatomy) {
         bones.push_back(rayBone(RayBone::kTerminal, a + joint, b, kUp, base,
                                 base.cwiseProduct(Vector2d(0.62, 0.6)),
                                 base.cwiseProduct(Vector2d(0.8, 0.5))));
-        faces.push_back(great ? 140 : 80);
+        faces.push_back(great ? 140 : 76);
         continue;
       }
       const Vector2d head = base.cwiseProduct(Vector2d(0.82, 0.74));
       bones.push_back(rayBone(RayBone::kPhalanx, a + joint, b - joint, kUp, base,
                               base.cwiseProduct(Vector2d(0.6, 0.55)), head));
-      faces.push_back(great ? 170 : 110);
+      faces.push_back(great ? 170 : 104);
       half = head;
     }
   }
@@ -172,7 +183,7 @@ TriMesh footMesh(const Anatomy& anatomy) {
   bones = keptApart(bones, 1.2);
   TriMesh mesh;
   for (std::size_t i = 0; i < bones.size(); i++) {
-    append(mesh, surface(bones[i], 0.9, faces[i], X));
+    append(mesh, surface(bones[i], 1.15, faces[i], X));
   }
   return mesh;
 }

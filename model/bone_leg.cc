@@ -20,14 +20,14 @@ Matrix3d turned(double degrees, const Vector3d& axis) {
 Solid tibia() {
   constexpr double A = -kShankLength;
   Sculpture bone;
-  bone.add(tubeSolid({section(-4, 0, -29, 37, 23.5), section(-5, 0, -36, 37, 23.5),
-                      section(-4, 1, -46, 33, 22), section(-2, 0, -64, 25.5, 19.5),
-                      section(-1, -2, -88, 18, 17), section(-2, -6, -130, 13, 14),
-                      section(-2, -8, -180, 11.5, 12.5), section(-2, -8, -230, 11, 11.5),
-                      section(-1, -6, -275, 11.5, 11.5), section(0, -5, -315, 14, 13.5),
-                      section(0, -4, -342, 19, 16.5), section(0, -3, A + 15, 22, 18),
-                      section(0, -3, A + 10, 22, 18)},
-                     kForward, 2.4, 0.12));
+  bone.add(tubeSolid(
+      {section(-4, 0, -29, 37, 23.5), section(-5, 0, -36, 37, 23.5), section(-4, 1, -46, 33, 22),
+       section(-2, 0, -64, 25.5, 19.5), section(-1, -2, -88, 18, 17), section(-2, -6, -130, 13, 14),
+       section(-2, -8, -180, 11.5, 12.5), section(-2, -8, -230, 11, 11.5),
+       section(-1, -6, -275, 11.5, 11.5), section(0, -5, -315, 14, 13.5),
+       section(0, -4, -342, 19, 16.5), section(0, -3, A + 15, 22, 18),
+       section(0, -3, A + 10, 22, 18)},
+      kForward, 2.4, 0.12));
   // The two condyles of the plateau, the medial one longer.
   bone.add(ellipsoidSolid({-6, -19, -33}, {25, 20, 8}, turned(6, kLeft), 2.8), 5);
   bone.add(ellipsoidSolid({-4, 19, -33}, {22.5, 20, 8}, turned(6, kLeft), 2.8), 5);
@@ -66,8 +66,8 @@ Solid tibia() {
                       section(-6, 5.5, -19, 1.2, 2.5)},
                      kForward),
            5);
-  bone.cut(rollSolid({-1, 0, A - 11}, kLeft, 22, 17.5, 2.5), 2);
-  bone.cut(tubeSolid({section(-6, 27, A + 30, 9, 6), section(-6, 29, A, 12, 8)}, kLeft), 4);
+  bone.cut(rollSolid({-1, 0, A - 11}, kLeft, 22, 16.8, 2.5), 2);
+  bone.cut(tubeSolid({section(-6, 25, A + 30, 9, 6), section(-6, 26, A, 12, 8)}, kLeft), 4);
   return bone.solid();
 }
 
@@ -77,9 +77,9 @@ Solid fibula() {
   bone.add(tubeSolid({section(-16, 36, -43, 10, 10.5), section(-16, 36, -52, 9.5, 10),
                       section(-15, 35.5, -66, 6, 6.5), section(-14, 34.5, -100, 5.6, 6.2),
                       section(-14, 33, -170, 5.8, 6.8), section(-13, 31.5, -240, 5.6, 6.6),
-                      section(-10, 29, -300, 5.6, 6.6), section(-7, 27.5, A + 42, 6, 8),
-                      section(-6, 26.5, A + 18, 8, 11.5), section(-6, 26, A + 4, 7.5, 11.5),
-                      section(-8, 25.5, A - 9, 5.5, 8)},
+                      section(-10, 28, -300, 5.6, 6.6), section(-7, 26, A + 42, 6, 8),
+                      section(-6, 24.5, A + 18, 8, 11.5), section(-6, 23.5, A + 4, 7.5, 11.5),
+                      section(-8, 22.5, A - 9, 5.5, 8)},
                      kForward, 2.2, 0.8));
   bone.add(ellipsoidSolid({-20, 38, -38}, {5, 5, 6.5}), 5);  // apex of the head
   // Front and inner edges of the shaft.
@@ -87,9 +87,9 @@ Solid fibula() {
                       section(-5, 29.5, -270, 1.6, 3)},
                      kForward),
            6);
-  bone.cut(rollSolid({-1, 0, A - 11}, kLeft, 26, 18.5, 2), 1);        // face for the talus
-  bone.cut(ellipsoidSolid({-16, 19, A - 7}, {5, 4.5, 6}), 3);         // malleolar fossa
-  bone.cut(ellipsoidSolid({-19, 29, A + 2}, {3.5, 4, 16}), 4);        // groove of the peronei
+  bone.cut(rollSolid({-1, 0, A - 11}, kLeft, 26, 16.8, 2), 1);  // face for the talus
+  bone.cut(ellipsoidSolid({-16, 17, A - 7}, {5, 4.5, 6}), 3);   // malleolar fossa
+  bone.cut(ellipsoidSolid({-19, 27, A + 2}, {3.5, 4, 16}), 4);  // groove of the peronei
   return bone.solid();
 }
 
@@ -126,9 +126,8 @@ Solid femurSolid() {
            7);
   // Greater trochanter with its fossa; lesser trochanter; the crest between them behind.
   bone.add(tubeSolid({section(-8, 52, -68, 10, 14), section(-9, 57, -52, 11.5, 17),
-                      section(-9, 60, -38, 12, 20),
-                      section(-11, 59, -22, 11, 18.5), section(-16, 55, -10, 8.5, 13),
-                      section(-20, 50.5, -4, 5.5, 8)},
+                      section(-9, 60, -38, 12, 20), section(-11, 59, -22, 11, 18.5),
+                      section(-16, 55, -10, 8.5, 13), section(-20, 50.5, -4, 5.5, 8)},
                      kForward, 2.3),
            8);
   bone.cut(ellipsoidSolid({-20, 42, -14}, {8, 8, 10}), 5);
@@ -195,7 +194,7 @@ Solid femurSolid() {
 
 TriMesh femurMesh(const Anatomy& anatomy) {
   return surface(
-      femurSolid(), 1.7, 2500,
+      femurSolid(), 2.2, 2500,
       limbPlace(anatomy.landmark("hip_joint_centre"), anatomy.landmark("knee"), kThighLength));
 }
 
@@ -208,9 +207,9 @@ TriMesh shinMesh(const Anatomy& anatomy) {
   const auto clearOfFemur = [&](const Solid& bone, double gap) {
     return Sculpture().add(bone).cut(grown(femur, gap), 1).solid();
   };
-  TriMesh mesh = surface(clearOfFemur(pair[0], 2.5), 1.5, 1550, shank);
-  append(mesh, surface(pair[1], 1.2, 800, shank));
-  append(mesh, surface(clearOfFemur(patella(), 3), 1.0, 500, shank));
+  TriMesh mesh = surface(clearOfFemur(pair[0], 2.5), 2.0, 1600, shank);
+  append(mesh, surface(pair[1], 1.5, 850, shank));
+  append(mesh, surface(clearOfFemur(patella(), 3), 1.3, 500, shank));
   return mesh;
 }
 

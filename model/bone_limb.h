@@ -12,7 +12,8 @@
 namespace torso {
 
 // Lengths between joint centres that the numbers of the bones are for [mm].
-constexpr double kThighLength = 412, kShankLength = 373, kUpperArmLength = 275, kForearmLength = 263;
+constexpr double kThighLength = 412, kShankLength = 373, kUpperArmLength = 275,
+                 kForearmLength = 263;
 
 // From millimetres in the frame of a limb segment (origin at the proximal joint, z from the distal
 // joint to it, x forward, y left) to the standing body [m].

@@ -97,12 +97,11 @@ void addWing(Sculpture& bone) {
   const std::vector<Vector3d> crest = {{-92, -42, 90}, {-86, -33, 109}, {-71, -13, 128},
                                        {-48, 13, 141}, {-19, 36, 147},  {9, 50, 138},
                                        {32, 51, 112},  {49, 36, 75}};
-  const std::vector<Vector3d> middle = {{-88, -43, 78}, {-79, -36, 90},  {-63, -22, 101},
-                                        {-44, -4, 106}, {-20, 12, 107},  {2, 24, 101},
+  const std::vector<Vector3d> middle = {{-88, -43, 78}, {-79, -36, 90}, {-63, -22, 101},
+                                        {-44, -4, 106}, {-20, 12, 107}, {2, 24, 101},
                                         {23, 31, 86},   {43, 29, 63}};
-  const std::vector<Vector3d> low = {{-82, -43, 67}, {-72, -38, 72}, {-56, -28, 76},
-                                     {-40, -15, 76}, {-22, -1, 72},  {-3, 11, 64},
-                                     {17, 18, 56},   {36, 22, 50}};
+  const std::vector<Vector3d> low = {{-82, -43, 67}, {-72, -38, 72}, {-56, -28, 76}, {-40, -15, 76},
+                                     {-22, -1, 72},  {-3, 11, 64},   {17, 18, 56},   {36, 22, 50}};
   const std::vector<Vector3d> base = {{-76, -42, 58}, {-66, -38, 56}, {-52, -31, 54},
                                       {-38, -22, 50}, {-22, -10, 42}, {-4, 2, 34},
                                       {14, 9, 30},    {30, 15, 40}};
@@ -145,8 +144,8 @@ Solid hipBone() {
 
   // Acetabulum: most of a ball, open to the side, downwards and a little forward.
   const Vector3d open = Vector3d(0.30, 0.76, -0.58).normalized();
-  const Vector3d notch = (Vector3d(0.12, -0.1, -1) - Vector3d(0.12, -0.1, -1).dot(open) * open)
-                             .normalized();
+  const Vector3d notch =
+      (Vector3d(0.12, -0.1, -1) - Vector3d(0.12, -0.1, -1).dot(open) * open).normalized();
   bone.add(Sculpture()
                .add(ballSolid({0, 0, 0}, 33.5))
                .clip(halfSpace(1.5 * open, open), 3)
@@ -224,7 +223,7 @@ std::vector<BonePart> pelvisMesh(const Anatomy& anatomy) {
   // The auricular faces: what the sacrum leaves of the iliac bones, less the cartilage.
   const Solid clear_of = grown(moved(meshSolid(bone), X.inverse()), 1);
   const Solid left = Sculpture().add(hipBone()).cut(clear_of, 1).solid();
-  appendPair(bone, surface(left, 1.6, 3300, X));
+  appendPair(bone, surface(left, 2.0, 3300, X));
   return {{Tissue::kBone, bone}, {Tissue::kCartilage, surface(symphysis(), 1.2, 200, X)}};
 }
 

@@ -16,8 +16,8 @@ using Eigen::Vector3d;
 Vector3d nearestWeights(const Vector3d& p, const Vector3d& a, const Vector3d& b,
                         const Vector3d& c) {
   const Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp),
-               d5 = ab.dot(cp), d6 = ac.dot(cp);
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp),
+               d6 = ac.dot(cp);
   if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
   if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
   if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
@@ -31,7 +31,9 @@ Vector3d nearestWeights(const Vector3d& p, const Vector3d& a, const Vector3d& b,
   return Vector3d(va, vb, vc) / (va + vb + vc);
 }
 
-double angle(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+double angle(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
 
 }  // namespace
 

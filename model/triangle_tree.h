@@ -39,8 +39,9 @@ class TriangleTree {
   TriMesh mesh_;
   std::vector<int> order_;  // of the faces
   std::vector<Node> nodes_;
-  std::vector<Eigen::Vector3d> vertex_normal_;               // weighted by angle
-  std::vector<std::array<Eigen::Vector3d, 3>> edge_normal_;  // (face), of the edge opposite vertex k
+  std::vector<Eigen::Vector3d> vertex_normal_;  // weighted by angle
+  std::vector<std::array<Eigen::Vector3d, 3>>
+      edge_normal_;  // (face), of the edge opposite vertex k
 };
 
 }  // namespace torso
