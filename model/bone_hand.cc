@@ -25,45 +25,45 @@ Matrix3d axesAlong(double x, double y) {
 }
 
 // The eight carpal bones, overlapping; keptApart makes their joints.
-std::vector<Solid> carpals() {
+std::vector<Shape> carpals() {
   const Matrix3d straight = Matrix3d::Identity();
-  std::vector<Solid> bones;
+  std::vector<Shape> bones;
   // Scaphoid: its pole reaches under the radius, its tubercle to the palm.
   bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({1, 12, -1.5}, {9.5, 10.5, 8.5}, axesAlong(1, 0.5), 2.3))
-                      .add(ellipsoidSolid({9.5, 18.5, 4}, {7.5, 5.5, 6}, axesAlong(1, 0.5)), 5)
-                      .solid());
+                      .add(ellipsoidShape({1, 12, -1.5}, {9.5, 10.5, 8.5}, axesAlong(1, 0.5), 2.3))
+                      .add(ellipsoidShape({9.5, 18.5, 4}, {7.5, 5.5, 6}, axesAlong(1, 0.5)), 5)
+                      .shape());
   // Lunate: a crescent, deeper than broad.
-  bones.push_back(ellipsoidSolid({0, -1.5, 0}, {9, 9.5, 9.5}, straight, 2.5));
+  bones.push_back(ellipsoidShape({0, -1.5, 0}, {9, 9.5, 9.5}, straight, 2.5));
   // Triquetrum: a pyramid; pisiform: a pea on its palm.
   bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({4, -15.5, -0.5}, {9, 8.5, 7.5}, axesAlong(1, -0.5), 2.5))
-                      .solid());
-  bones.push_back(ellipsoidSolid({4, -18.5, 9.5}, {6.5, 5.5, 5}));
+                      .add(ellipsoidShape({4, -15.5, -0.5}, {9, 8.5, 7.5}, axesAlong(1, -0.5), 2.5))
+                      .shape());
+  bones.push_back(ellipsoidShape({4, -18.5, 9.5}, {6.5, 5.5, 5}));
   // Trapezium, with its ridge; its saddle looks to the thumb.
   bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({16.5, 22, 3.5}, {8.5, 8.5, 7.5}, axesAlong(1, 0.6), 3))
-                      .add(ellipsoidSolid({15, 17, 10}, {5.5, 2.8, 3.8}, axesAlong(1, 0.4)), 3)
-                      .solid());
+                      .add(ellipsoidShape({16.5, 22, 3.5}, {8.5, 8.5, 7.5}, axesAlong(1, 0.6), 3))
+                      .add(ellipsoidShape({15, 17, 10}, {5.5, 2.8, 3.8}, axesAlong(1, 0.4)), 3)
+                      .shape());
   // Trapezoid: a wedge, broad at the back of the hand.
   bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({18, 12, -3}, {8, 8, 6.5}, straight, 2.6))
-                      .add(ellipsoidSolid({18, 11.5, 2.5}, {6.5, 5.5, 5.5}, straight, 2.4), 4)
-                      .solid());
+                      .add(ellipsoidShape({18, 12, -3}, {8, 8, 6.5}, straight, 2.6))
+                      .add(ellipsoidShape({18, 11.5, 2.5}, {6.5, 5.5, 5.5}, straight, 2.4), 4)
+                      .shape());
   // Capitate: a head between scaphoid and lunate, a waist, a broad body.
   bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({8.5, 2, -0.5}, {8, 8, 7.8}))
-                      .add(ellipsoidSolid({18.5, 2, -0.5}, {9, 9.5, 9}, straight, 2.8), 4)
-                      .solid());
+                      .add(ellipsoidShape({8.5, 2, -0.5}, {8, 8, 7.8}))
+                      .add(ellipsoidShape({18.5, 2, -0.5}, {9, 9.5, 9}, straight, 2.8), 4)
+                      .shape());
   // Hamate: a wedge with its hook to the palm.
   bones.push_back(Sculpture()
-                      .add(ellipsoidSolid({18, -13, -1}, {9, 10, 8}, axesAlong(1, -0.15), 2.6))
-                      .add(ellipsoidSolid({11, -7.5, -1}, {8, 6.5, 7.5}), 4)
-                      .add(tubeSolid({section(18.5, -12, 5, 5, 3), section(19, -12.5, 11, 4, 2.4),
+                      .add(ellipsoidShape({18, -13, -1}, {9, 10, 8}, axesAlong(1, -0.15), 2.6))
+                      .add(ellipsoidShape({11, -7.5, -1}, {8, 6.5, 7.5}), 4)
+                      .add(tubeShape({section(18.5, -12, 5, 5, 3), section(19, -12.5, 11, 4, 2.4),
                                       section(19, -11, 14, 3.6, 2.2)},
                                      Vector3d::UnitY()),
                            3)
-                      .solid());
+                      .shape());
   return bones;
 }
 
@@ -112,7 +112,7 @@ TriMesh handMesh(const Anatomy& anatomy) {
   X.linear() *= scale;
   X.translation() = wrist;
 
-  std::vector<Solid> bones = carpals();
+  std::vector<Shape> bones = carpals();
   std::vector<int> faces(bones.size(), 200);
   for (const Finger& finger : fingers()) {
     const bool is_thumb = &finger == &fingers().front();
@@ -146,7 +146,7 @@ TriMesh handMesh(const Anatomy& anatomy) {
   }
   // Sesamoid bones under the head of the thumb's metacarpal.
   for (double y : {36.0, 44.0}) {
-    bones.push_back(ellipsoidSolid({57, y, 21}, {2.6, 2.2, 2}));
+    bones.push_back(ellipsoidShape({57, y, 21}, {2.6, 2.2, 2}));
     faces.push_back(40);
   }
   bones = keptApart(bones, 0.9);

@@ -19,7 +19,7 @@ Affine3d limbPlace(const Vector3d& proximal, const Vector3d& distal, double refe
   return X;
 }
 
-Solid rayBone(RayBone kind, const Vector3d& base, const Vector3d& head, const Vector3d& dorsal,
+Shape rayBone(RayBone kind, const Vector3d& base, const Vector3d& head, const Vector3d& dorsal,
               const Vector2d& base_half, const Vector2d& waist_half, const Vector2d& head_half) {
   // Modelled along z, dorsal towards x.
   const double length = (head - base).norm();
@@ -32,36 +32,36 @@ Solid rayBone(RayBone kind, const Vector3d& base, const Vector3d& head, const Ve
                hw = head_half.x(), hd = head_half.y(), fillet = 0.7 * wd;
   Sculpture bone;
   // Shaft: bowed to the back of the hand, its back flatter than its belly.
-  bone.add(tubeSolid({section(0, 0, 0.35 * bd, 0.94 * bw, 0.94 * bd),
+  bone.add(tubeShape({section(0, 0, 0.35 * bd, 0.94 * bw, 0.94 * bd),
                       section(0.02 * length, 0, 0.16 * length, 0.5 * (bw + ww), 0.5 * (bd + wd)),
                       section(0.05 * length, 0, 0.38 * length, ww, wd),
                       section(0.05 * length, 0, 0.6 * length, 1.02 * ww, 0.95 * wd),
                       section(0.02 * length, 0, 0.8 * length, 0.45 * (hw + ww), 0.5 * (hd + wd)),
                       section(0, 0, length - hd, 0.85 * hw, 0.8 * hd)},
                      Vector3d::UnitX(), 2.3, 0.3));
-  bone.add(ellipsoidSolid(Vector3d(-0.05 * bd, 0, 0.55 * bd), Vector3d(bd, bw, 0.6 * bd),
+  bone.add(ellipsoidShape(Vector3d(-0.05 * bd, 0, 0.55 * bd), Vector3d(bd, bw, 0.6 * bd),
                           Matrix3d::Identity(), 2.8),
            fillet);
   switch (kind) {
     case RayBone::kMetapodial:
-      bone.add(ellipsoidSolid(Vector3d(-0.08 * hd, 0, length - hd), Vector3d(1.08 * hd, hw, hd),
+      bone.add(ellipsoidShape(Vector3d(-0.08 * hd, 0, length - hd), Vector3d(1.08 * hd, hw, hd),
                               Matrix3d::Identity(), 2.2),
                fillet);
       break;
     case RayBone::kPhalanx:  // two condyles with a groove between
       for (double side : {-1.0, 1.0}) {
-        bone.add(rollSolid(Vector3d(-0.12 * hd, 0.52 * side * hw, length - hd), Vector3d::UnitY(),
+        bone.add(rollShape(Vector3d(-0.12 * hd, 0.52 * side * hw, length - hd), Vector3d::UnitY(),
                            hd, 0.48 * hw, 0.4 * hw),
                  0.5 * fillet);
       }
       break;
     case RayBone::kTerminal:  // a flat tuft
-      bone.add(ellipsoidSolid(Vector3d(0, 0, length - 0.8 * hw), Vector3d(hd, hw, 0.8 * hw),
+      bone.add(ellipsoidShape(Vector3d(0, 0, length - 0.8 * hw), Vector3d(hd, hw, 0.8 * hw),
                               Matrix3d::Identity(), 2.4),
                fillet);
       break;
   }
-  return moved(bone.solid(), X);
+  return moved(bone.shape(), X);
 }
 
 }  // namespace torso

@@ -1,5 +1,5 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
-#include "model/solid.h"
+#include "model/shape.h"
 
 #include <algorithm>
 #include <array>
@@ -86,7 +86,7 @@ T curve(int count, double t, const Get& get) {
 
 }  // namespace
 
-Solid ellipsoidSolid(const Vector3d& centre, const Vector3d& half_axes, const Matrix3d& axes,
+Shape ellipsoidShape(const Vector3d& centre, const Vector3d& half_axes, const Matrix3d& axes,
                      double squareness) {
   const Vector3d reach = axes.cwiseAbs() * half_axes;
   return {[=](const Vector3d& p) {
@@ -95,13 +95,13 @@ Solid ellipsoidSolid(const Vector3d& centre, const Vector3d& half_axes, const Ma
           AlignedBox3d(centre - reach, centre + reach)};
 }
 
-Solid ballSolid(const Vector3d& centre, double radius) {
+Shape ballShape(const Vector3d& centre, double radius) {
   const Vector3d reach = Vector3d::Constant(radius);
   return {[=](const Vector3d& p) { return (p - centre).norm() - radius; },
           AlignedBox3d(centre - reach, centre + reach)};
 }
 
-Solid rollSolid(const Vector3d& centre, const Vector3d& axis, double radius, double half_length,
+Shape rollShape(const Vector3d& centre, const Vector3d& axis, double radius, double half_length,
                 double rounding) {
   const Vector3d reach = Vector3d::Constant(std::hypot(radius, half_length));
   return {[=](const Vector3d& p) {
@@ -113,11 +113,20 @@ Solid rollSolid(const Vector3d& centre, const Vector3d& axis, double radius, dou
           AlignedBox3d(centre - reach, centre + reach)};
 }
 
-Solid halfSpace(const Vector3d& point, const Vector3d& normal) {
+Shape ringShape(const Vector3d& centre, const Vector3d& axis, double radius, double thickness) {
+  const Vector3d reach = Vector3d::Constant(radius + thickness);
+  return {[=](const Vector3d& p) {
+            const double w = (p - centre).dot(axis), r = (p - centre - w * axis).norm();
+            return std::hypot(r - radius, w) - thickness;
+          },
+          AlignedBox3d(centre - reach, centre + reach)};
+}
+
+Shape halfSpace(const Vector3d& point, const Vector3d& normal) {
   return {[=](const Vector3d& p) { return (p - point).dot(normal); }, AlignedBox3d()};
 }
 
-Solid tubeSolid(const std::vector<Section>& sections, const Vector3d& up, double squareness,
+Shape tubeShape(const std::vector<Section>& sections, const Vector3d& up, double squareness,
                 double cap) {
   constexpr int kSteps = 4;
   const int n = static_cast<int>(sections.size());
@@ -158,7 +167,7 @@ Solid tubeSolid(const std::vector<Section>& sections, const Vector3d& up, double
           box};
 }
 
-Solid plateSolid(const std::vector<std::vector<Vector3d>>& grid,
+Shape plateShape(const std::vector<std::vector<Vector3d>>& grid,
                  const std::vector<std::vector<double>>& thickness) {
   constexpr int kSteps = 5;
   const int rows = static_cast<int>(grid.size()), columns = static_cast<int>(grid[0].size());
@@ -201,61 +210,61 @@ Solid plateSolid(const std::vector<std::vector<Vector3d>>& grid,
           box};
 }
 
-Solid meshSolid(const TriMesh& mesh) {
+Shape meshShape(const TriMesh& mesh) {
   const auto tree = std::make_shared<TriangleTree>(mesh);
   return {[tree](const Vector3d& p) { return tree->signedDistance(p); }, tree->box()};
 }
 
-Solid moved(const Solid& solid, const Affine3d& X) {
+Shape moved(const Shape& shape, const Affine3d& X) {
   const Affine3d back = X.inverse();
   const double scale = X.linear().col(0).norm();
-  return {[=](const Vector3d& p) { return scale * solid.distance(back * p); },
-          solid.box.transformed(X)};
+  return {[=](const Vector3d& p) { return scale * shape.distance(back * p); },
+          shape.box.transformed(X)};
 }
 
-Solid grown(const Solid& solid, double by) {
+Shape grown(const Shape& shape, double by) {
   const Vector3d reach = Vector3d::Constant(by);
-  return {[=](const Vector3d& p) { return solid.distance(p) - by; },
-          AlignedBox3d(solid.box.min() - reach, solid.box.max() + reach)};
+  return {[=](const Vector3d& p) { return shape.distance(p) - by; },
+          AlignedBox3d(shape.box.min() - reach, shape.box.max() + reach)};
 }
 
-Sculpture& Sculpture::add(const Solid& solid, double fillet) {
-  steps_.push_back({Action::kAdd, solid, fillet});
+Sculpture& Sculpture::add(const Shape& shape, double fillet) {
+  steps_.push_back({Action::kAdd, shape, fillet});
   return *this;
 }
 
-Sculpture& Sculpture::cut(const Solid& solid, double fillet) {
-  steps_.push_back({Action::kCut, solid, fillet});
+Sculpture& Sculpture::cut(const Shape& shape, double fillet) {
+  steps_.push_back({Action::kCut, shape, fillet});
   return *this;
 }
 
-Sculpture& Sculpture::clip(const Solid& solid, double fillet) {
-  steps_.push_back({Action::kClip, solid, fillet});
+Sculpture& Sculpture::clip(const Shape& shape, double fillet) {
+  steps_.push_back({Action::kClip, shape, fillet});
   return *this;
 }
 
-Solid Sculpture::solid() const {
+Shape Sculpture::shape() const {
   AlignedBox3d box;
   for (const Step& s : steps_) {
     if (s.action != Action::kAdd) continue;
     const Vector3d bulge = Vector3d::Constant(s.fillet / 4);
-    box.extend(s.solid.box.min() - bulge);
-    box.extend(s.solid.box.max() + bulge);
+    box.extend(s.shape.box.min() - bulge);
+    box.extend(s.shape.box.max() + bulge);
   }
   const auto distance = [steps = steps_](const Vector3d& p) {
     double d = std::numeric_limits<double>::infinity();
     for (const Step& s : steps) {
       // A step whose box is too far away changes nothing; that spares most of the work.
-      const double far = s.solid.box.isEmpty() ? 0 : s.solid.box.exteriorDistance(p);
+      const double far = s.shape.box.isEmpty() ? 0 : s.shape.box.exteriorDistance(p);
       if (s.action == Action::kAdd) {
         if (far > d + s.fillet) continue;
-        const double e = s.solid.distance(p);
+        const double e = s.shape.distance(p);
         d = std::isinf(d) ? e : blend(d, e, s.fillet);
       } else if (s.action == Action::kCut) {
         if (-far < d - s.fillet) continue;
-        d = -blend(-d, s.solid.distance(p), s.fillet);
+        d = -blend(-d, s.shape.distance(p), s.fillet);
       } else {
-        d = -blend(-d, -s.solid.distance(p), s.fillet);
+        d = -blend(-d, -s.shape.distance(p), s.fillet);
       }
     }
     return d;
@@ -263,34 +272,35 @@ Solid Sculpture::solid() const {
   return {distance, box};
 }
 
-std::vector<Solid> keptApart(const std::vector<Solid>& solids, double gap) {
-  std::vector<Solid> out;
-  for (std::size_t i = 0; i < solids.size(); i++) {
-    std::vector<Solid> others;
-    const AlignedBox3d near = grown(solids[i], gap).box;
-    for (std::size_t j = 0; j < solids.size(); j++) {
-      if (j != i && near.intersects(solids[j].box)) others.push_back(solids[j]);
+std::vector<Shape> keptApart(const std::vector<Shape>& shapes, double gap) {
+  std::vector<Shape> out;
+  for (std::size_t i = 0; i < shapes.size(); i++) {
+    std::vector<Shape> others;
+    const AlignedBox3d near = grown(shapes[i], gap).box;
+    for (std::size_t j = 0; j < shapes.size(); j++) {
+      if (j != i && near.intersects(shapes[j].box)) others.push_back(shapes[j]);
     }
-    const auto distance = [own = solids[i], others, gap](const Vector3d& p) {
+    const auto distance = [own = shapes[i], others, gap](const Vector3d& p) {
       const double mine = own.distance(p);
       double d = mine;
-      for (const Solid& other : others) {
+      for (const Shape& other : others) {
         if (mine + gap - other.box.exteriorDistance(p) < 2 * d) continue;
         d = std::max(d, (mine + gap - other.distance(p)) / 2);
       }
       return d;
     };
-    out.push_back({distance, solids[i].box});
+    out.push_back({distance, shapes[i].box});
   }
   return out;
 }
 
-TriMesh surface(const Solid& solid, double voxel, int max_faces, const Eigen::Affine3d& X) {
+TriMesh surface(const Shape& shape, double voxel, int max_faces, const Eigen::Affine3d& X) {
   FuseOptions options;
   options.voxel = voxel;
   options.max_faces = max_faces;
+  options.fillet = 0;
   options.smoothing = 1;
-  TriMesh mesh = surfaceOf(solid.distance, solid.box, options);
+  TriMesh mesh = surfaceOf(shape.distance, shape.box, options);
   for (Vector3d& v : mesh.vertices) v = X * v;
   return mesh;
 }
