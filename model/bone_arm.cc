@@ -65,7 +65,7 @@ Shape radius() {
       tubeShape({section(9, 10.5, W + 28, 2.2, 2.5), section(9, 11.5, W + 17, 2.2, 2.5)}, kForward),
       4);
   bone.cut(ballShape({1, 13, -3.5}, 11), 1);                             // fovea of the head
-  bone.cut(ellipsoidShape({11.5, -0.5, W - 1.5}, {20, 14, 11.5}), 1.5);  // for the wrist
+  bone.cut(ellipsoidShape({11.5, -0.5, W - 1.5}, {20, 14, 12.5}), 1.5);  // for the wrist
   bone.cut(rollShape({-17.5, 0, W + 22}, kUp, 9.2, 8, 3), 2);            // notch for the ulna
   return bone.shape();
 }

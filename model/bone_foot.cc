@@ -42,8 +42,8 @@ Shape talus() {
                       section(57, -4, 86, 7, 3.5), section(70, -4, 82, 7, 3.5),
                       section(81, -4, 72, 7, 3.5)},
                      kUp),
-           4);                                                               // groove of the pulley
-  bone.add(ellipsoidShape({55, 11, 56}, {10, 7, 7}, turned(20, kLeft)), 5);  // lateral process
+           4);  // groove of the pulley
+  bone.add(ellipsoidShape({55, 9, 55}, {10, 6.5, 7}, turned(20, kLeft)), 5);  // lateral process
   bone.add(tubeShape({section(44, -4, 56, 10, 7), section(36, -5, 53, 7, 5),
                       section(32, -4, 51.5, 4, 3.5)},
                      kUp),

@@ -30,11 +30,11 @@ std::vector<Shape> carpals() {
   std::vector<Shape> bones;
   // Scaphoid: its pole reaches under the radius, its tubercle to the palm.
   bones.push_back(Sculpture()
-                      .add(ellipsoidShape({1, 12, -1.5}, {9.5, 10.5, 8.5}, axesAlong(1, 0.5), 2.3))
+                      .add(ellipsoidShape({1.8, 12, -1.5}, {9, 10.5, 8.5}, axesAlong(1, 0.5), 2.3))
                       .add(ellipsoidShape({9.5, 18.5, 4}, {7.5, 5.5, 6}, axesAlong(1, 0.5)), 5)
                       .shape());
   // Lunate: a crescent, deeper than broad.
-  bones.push_back(ellipsoidShape({0, -1.5, 0}, {9, 9.5, 9.5}, straight, 2.5));
+  bones.push_back(ellipsoidShape({0.2, -1.5, 0}, {7.4, 9.5, 8.6}, straight, 2.5));
   // Triquetrum: a pyramid; pisiform: a pea on its palm.
   bones.push_back(Sculpture()
                       .add(ellipsoidShape({4, -15.5, -0.5}, {9, 8.5, 7.5}, axesAlong(1, -0.5), 2.5))
@@ -52,7 +52,7 @@ std::vector<Shape> carpals() {
                       .shape());
   // Capitate: a head between scaphoid and lunate, a waist, a broad body.
   bones.push_back(Sculpture()
-                      .add(ellipsoidShape({8.5, 2, -0.5}, {8, 8, 7.8}))
+                      .add(ellipsoidShape({10, 2, -0.5}, {7.5, 7.5, 7.5}))
                       .add(ellipsoidShape({18.5, 2, -0.5}, {9, 9.5, 9}, straight, 2.8), 4)
                       .shape());
   // Hamate: a wedge with its hook to the palm.
@@ -113,7 +113,7 @@ TriMesh handMesh(const Anatomy& anatomy) {
   X.translation() = wrist;
 
   std::vector<Shape> bones = carpals();
-  std::vector<int> faces(bones.size(), 200);
+  std::vector<int> faces(bones.size(), 245);
   for (const Finger& finger : fingers()) {
     const bool is_thumb = &finger == &fingers().front();
     // The thumb's nail looks forward, the others' to the back of the hand.
@@ -126,7 +126,7 @@ TriMesh handMesh(const Anatomy& anatomy) {
       if (k == 0) {
         bones.push_back(rayBone(RayBone::kMetapodial, a, b - joint, dorsal, finger.base,
                                 finger.waist, finger.head));
-        faces.push_back(250);
+        faces.push_back(230);
         continue;
       }
       const Vector2d base = half.cwiseProduct(k == 1 ? Vector2d(1.02, 0.88) : Vector2d(1, 0.95));
@@ -134,13 +134,13 @@ TriMesh handMesh(const Anatomy& anatomy) {
         bones.push_back(rayBone(RayBone::kTerminal, a + joint, b, dorsal, base,
                                 base.cwiseProduct(Vector2d(0.55, 0.5)),
                                 base.cwiseProduct(Vector2d(0.74, 0.42))));
-        faces.push_back(120);
+        faces.push_back(100);
         continue;
       }
       const Vector2d head = base.cwiseProduct(Vector2d(0.8, 0.72));
       bones.push_back(rayBone(RayBone::kPhalanx, a + joint, b - joint, dorsal, base,
                               base.cwiseProduct(Vector2d(0.6, 0.5)), head));
-      faces.push_back(160);
+      faces.push_back(140);
       half = head.cwiseProduct(Vector2d(1.08, 1.12));
     }
   }
@@ -149,7 +149,7 @@ TriMesh handMesh(const Anatomy& anatomy) {
     bones.push_back(ellipsoidShape({57, y, 21}, {2.6, 2.2, 2}));
     faces.push_back(40);
   }
-  bones = keptApart(bones, 0.9);
+  bones = keptApart(bones, 1.5);
   TriMesh mesh;
   for (std::size_t i = 0; i < bones.size(); i++) {
     append(mesh, surface(bones[i], 0.95, faces[i], X));

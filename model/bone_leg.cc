@@ -79,7 +79,7 @@ Shape fibula() {
                       section(-5, 29.5, -270, 1.6, 3)},
                      kForward),
            6);
-  bone.cut(rollShape({-1, 0, A - 11}, kLeft, 26, 16.8, 2), 1);  // face for the talus
+  bone.cut(rollShape({-1, 0, A - 11}, kLeft, 26, 17.4, 2), 1);  // face for the talus
   bone.cut(ellipsoidShape({-16, 17, A - 7}, {5, 4.5, 6}), 3);   // malleolar fossa
   bone.cut(ellipsoidShape({-19, 27, A + 2}, {3.5, 4, 16}), 4);  // groove of the peronei
   return bone.shape();

@@ -89,7 +89,6 @@ TEST(LimbBones, LengthsAreThoseOfTheStature) {
   for (const auto& row : rows) {
     const double length = maximumLength(bone(row.body, row.rank));
     EXPECT_NEAR(length, row.length, 0.05 * row.length) << row.body << row.rank;
-    RecordProperty(row.body + std::to_string(row.rank), std::to_string(length));
   }
 }
 
@@ -151,18 +150,21 @@ TEST(LimbBones, JointsHaveRoomForCartilage) {
   EXPECT_LT(hip, 4 * kMm);
 }
 
+// The face is about 15 cm^2 in men; the sacrum's is not modelled apart from its side.
 TEST(HipBones, MeetTheSacrumAlongTheAuricularFace) {
-  const TriangleTree hip(hipBone());
-  int close = 0;
+  double area = 0;
   for (const TriMesh& other : bones("pelvis")) {
     if (&other == &hipBone()) continue;
-    for (const Vector3d& v : other.vertices) {
-      const double d = hip.signedDistance(v);
-      EXPECT_GT(d, 0);
-      if (d < 2 * kMm) close++;
+    const TriangleTree sacrum(other);
+    const auto& v = hipBone().vertices;
+    for (const auto& f : hipBone().faces) {
+      const Vector3d middle = (v[f[0]] + v[f[1]] + v[f[2]]) / 3;
+      if (sacrum.signedDistance(middle) > 2.5 * kMm) continue;
+      area += (v[f[1]] - v[f[0]]).cross(v[f[2]] - v[f[0]]).norm() / 2;
     }
   }
-  EXPECT_GT(close, 20);
+  EXPECT_GT(area, 9e-4);
+  EXPECT_LT(area, 22e-4);
 }
 
 TEST(HipBones, HaveABreadthOfTheIliaAsPublished) {
