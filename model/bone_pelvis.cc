@@ -1,12 +1,13 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "model/bone_limb.h"
 #include "model/bone_parts.h"
 #include "model/fuse.h"
 
 namespace torso {
 namespace {
 
+using Eigen::Affine3d;
 using Eigen::Isometry3d;
-using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
@@ -80,125 +81,150 @@ TriMesh sacrum(const Anatomy& anatomy) {
   return mesh;
 }
 
-// Left hip bone; coordinates from the hip joint centre [mm].
-TriMesh hipBone(const Anatomy& anatomy) {
-  const Vector3d hip = anatomy.landmark("hip_joint_centre");
-  const auto at = [&](double x, double y, double z) -> Vector3d { return hip + pointMm(x, y, z); };
-  const auto section = [&](double x, double y, double z, double side, double up) {
-    return Section{at(x, y, z), side * 1e-3, up * 1e-3};
-  };
-  TriMesh mesh;
+// Half the distance of the hip joint centres that the numbers below are for [mm].
+constexpr double kHalfHipWidth = 85;
 
-  // Wing: columns from the posterior to the anterior superior spine.
-  const std::vector<Vector3d> crest = {at(-92, -43, 90), at(-84, -31, 116), at(-64, -5, 142),
-                                       at(-34, 25, 157), at(0, 44, 155),    at(26, 51, 138),
-                                       at(42, 46, 110),  at(49, 37, 77)};
-  const std::vector<Vector3d> middle = {at(-88, -41, 82), at(-76, -33, 84), at(-55, -16, 92),
-                                        at(-30, 8, 96),   at(-4, 23, 96),   at(17, 28, 90),
-                                        at(34, 29, 78),   at(37, 27, 63)};
-  const std::vector<Vector3d> base = {at(-83, -40, 66), at(-70, -34, 60), at(-51, -23, 60),
-                                      at(-31, -9, 50),  at(-10, 3, 36),   at(10, 9, 31),
-                                      at(24, 13, 36),   at(33, 16, 45)};
-  constexpr int kRows = 12, kColumns = 25;
-  std::vector<std::vector<Vector3d>> grid(kRows, std::vector<Vector3d>(kColumns));
-  std::vector<std::vector<double>> thickness(kRows, std::vector<double>(kColumns));
-  for (int j = 0; j < kColumns; j++) {
-    const double s = 7.0 * j / (kColumns - 1);
-    const std::vector<Vector3d> column = {curveAt(base, s), curveAt(middle, s), curveAt(crest, s)};
-    for (int i = 0; i < kRows; i++) {
-      const double t = i / (kRows - 1.0);
-      grid[i][j] = curveAt(column, 2 * t);
-      const double back = std::max(0.0, 1 - s / 2.5);  // thick where it meets the sacrum
-      thickness[i][j] = (4.5 + 8 * std::pow(1 - t, 2) + 6.5 * std::pow(t, 6) + 7 * back) * 1e-3;
-    }
+// Half the gap between the pubic bones [mm].
+constexpr double kHalfSymphysis = 2.5;
+
+// Wing of the ilium, without what carries the acetabulum. From the posterior to the anterior
+// superior spine.
+void addWing(Sculpture& bone) {
+  const std::vector<Vector3d> crest = {{-93, -43, 86}, {-87, -33, 103}, {-71, -16, 119},
+                                       {-49, 10, 130}, {-19, 34, 134},  {9, 46.5, 127},
+                                       {32, 48, 105},  {49, 36, 75}};
+  const std::vector<Vector3d> middle = {{-88, -43, 78},  {-79, -37, 90}, {-63, -27, 101},
+                                        {-45, -11, 106}, {-20, 12, 107}, {2, 24, 101},
+                                        {23, 31, 86},    {43, 29, 63}};
+  const std::vector<Vector3d> low = {{-82, -43, 67}, {-72, -38, 72}, {-56, -31, 76}, {-41, -21, 76},
+                                     {-22, -1, 72},  {-3, 11, 64},   {17, 18, 56},   {36, 22, 50}};
+  const std::vector<Vector3d> base = {{-76, -42, 58}, {-66, -38, 56}, {-52, -31, 54},
+                                      {-38, -22, 50}, {-22, -10, 42}, {-4, 2, 34},
+                                      {14, 9, 30},    {30, 15, 40}};
+  bone.add(plateShape({base, low, middle, crest}, {{12, 16, 18, 17, 16, 16, 15, 12},
+                                                   {14, 17, 16, 9, 6.5, 7.5, 8, 9},
+                                                   {14, 15, 12, 6, 3.8, 5, 7, 8},
+                                                   {9, 9, 8, 7, 7, 8, 8, 8}}));
+  // The auricular part, across the side of the sacrum, of which pelvisMesh cuts the face.
+  bone.add(tubeShape({section(-37, -27, 98, 11, 13), section(-50, -32, 88, 15, 13),
+                      section(-64, -37, 76, 14, 11), section(-76, -40, 66, 9, 9)},
+                     kLeft),
+           10);
+  // The crest's lips, thickest at its tubercle; the spines at its ends.
+  const double half_width[] = {7.5, 7.5, 6.5, 5, 5.2, 7.5, 6.5, 5.5};
+  std::vector<Section> lips;
+  for (std::size_t k = 0; k < crest.size(); k++) {
+    lips.push_back({crest[k] - 1.5 * (crest[k] - middle[k]).normalized(), half_width[k], 5,
+                    crest[k] - middle[k]});
   }
-  append(mesh, plate(grid, thickness));
-  TubeStyle style;
-  // Lip of the crest, and the anterior spines.
-  std::vector<Section> lip;
-  const double lip_width[] = {7, 6.5, 5.5, 5.5, 6.5, 6.5, 5.5, 6};
-  for (int k = 0; k < 8; k++) lip.push_back({crest[k], lip_width[k] * 1e-3, 4.5_mm});
-  style.up = Vector3d(0.2, 1, 0.2);
-  for (Section& s : lip) std::swap(s.side, s.up);
-  append(mesh, tube(lip, style));
-  append(mesh, tube({section(30, 14, 42, 8, 7), section(35, 16, 47, 6, 5.5)}, style));
-  // Arcuate line: from the roof of the acetabulum to the joint with the sacrum.
-  style.up = Vector3d::UnitZ();
-  append(mesh, tube({section(14, 0, 28, 12, 12), section(-12, -6, 38, 11, 11),
-                     section(-34, -18, 56, 8, 10), section(-54, -28, 72, 7, 12),
-                     section(-72, -34, 78, 6, 14)},
-                    style));
+  bone.add(tubeShape(lips, kUp), 5);
+  bone.add(ellipsoidShape({48, 36, 73}, {5.5, 6, 7.5}), 4);
+  bone.add(ellipsoidShape({-94.5, -43, 83}, {5.5, 6.5, 7}), 3);
+  bone.add(ellipsoidShape({-79, -42, 57}, {6.5, 6, 5.5}), 4);
+  bone.cut(ballShape({-100, -43, 67}, 12), 6);
+  // Pillar from the acetabulum to the tubercle of the crest.
+  bone.add(tubeShape({section(2, 12, 34, 10, 9), section(9, 26, 70, 9, 3.4),
+                      section(14, 38.5, 98, 9, 3.2), section(17, 47, 116, 9, 4)},
+                     kLeft),
+           18);
+}
 
-  // Acetabulum: a cup open to the side, the front and below.
-  const Vector3d open = Vector3d(0.30, 0.80, -0.52).normalized();
-  const Vector3d a = open.unitOrthogonal(), b = open.cross(a);
-  std::vector<Ring> cup;
-  const double inner = 26.5_mm, outer = 34_mm;
-  const auto cupRing = [&](double radius, double degrees) {
-    const double polar = degrees * EIGEN_PI / 180;  // from the bottom of the cup
-    Ring ring;
-    for (int k = 0; k < 32; k++) {
-      const double angle = 2 * EIGEN_PI * k / 32;
-      ring.push_back(hip +
-                     radius * (-std::cos(polar) * open +
-                               std::sin(polar) * (std::cos(angle) * a + std::sin(angle) * b)));
-    }
-    cup.push_back(ring);
-  };
-  for (double d : {20, 40, 60, 78}) cupRing(outer, d);
-  cupRing(0.96 * outer, 88);
-  cupRing(0.5 * (inner + outer), 91);
-  for (double d : {86, 70, 50, 25}) cupRing(inner, d);
-  append(mesh, loft(cup));
+// Left hip bone [mm]; origin in the hip joint. The iliac bone reaches into the sacrum.
+Shape hipBone() {
+  Sculpture bone;
+  addWing(bone);
+  // Arcuate line, from the roof of the acetabulum to the joint with the sacrum.
+  bone.add(tubeShape({section(12, -6, 22, 11, 12), section(-8, -12, 31, 9, 12),
+                      section(-28, -20, 44, 8, 11), section(-46, -29, 60, 9, 12),
+                      section(-60, -35, 74, 9, 14)},
+                     kUp),
+           8);
+  bone.add(tubeShape({section(28, 13, 38, 7, 7), section(34, 16, 44, 6, 6),
+                      section(37, 16.5, 47, 4.5, 4.5)},
+                     kUp),
+           6);  // anterior inferior spine
 
-  // Posterior column, ischium with its tuberosity and ramus, up to the pubis.
-  style.up = Vector3d(0, 1, 0.0);
-  append(mesh, tube({section(-16, -12, 34, 11, 10), section(-24, -16, 8, 9, 12),
-                     section(-26, -16, -22, 9, 13), section(-30, -17, -46, 12, 13),
-                     section(-34, -19, -66, 13, 14), section(-30, -23, -82, 12, 12)},
-                    style));
-  append(mesh, tube({section(-8, -12, -28, 8, 11), section(-18, -14, -50, 8, 12)}, style));
-  append(mesh, tube({section(-30, -22, -80, 11, 10), section(-14, -33, -83, 7, 6),
-                     section(4, -48, -74, 6.5, 5), section(20, -62, -62, 7, 5),
-                     section(32, -72, -48, 9, 6)},
-                    style));
-  // Ischial spine.
-  append(mesh, tube({section(-36, -20, -14, 7, 6), section(-47, -29, -18, 4, 3),
-                     section(-53, -34, -19, 2, 1.8)},
-                    style));
-  // Superior ramus and body of the pubis.
-  style.up = Vector3d::UnitZ();
-  append(mesh,
-         tube({section(12, -12, 2, 14, 13), section(30, -27, 4, 9, 9), section(43, -46, -2, 7, 7.5),
-               section(49, -62, -13, 7, 8), section(46, -72, -22, 8, 10)},
-              style));
-  style.up = Vector3d::UnitX();
-  style.squareness = 2.4;
-  append(mesh, tube({section(48, -72, -18, 9, 6.5), section(43, -74, -32, 9, 7),
-                     section(34, -75, -47, 7.5, 6)},
-                    style));
-  // Pubic tubercle.
-  append(mesh, ellipsoid(at(51, -60, -13), Vector3d(5_mm, 5_mm, 5_mm), Matrix3d::Identity(), 14));
-  return mesh;
+  // Acetabulum: most of a ball, open to the side, downwards and a little forward.
+  const Vector3d open = Vector3d(0.30, 0.76, -0.58).normalized();
+  const Vector3d notch =
+      (Vector3d(0.12, -0.1, -1) - Vector3d(0.12, -0.1, -1).dot(open) * open).normalized();
+  bone.add(Sculpture()
+               .add(ballShape({0, 0, 0}, 33.5))
+               .clip(halfSpace(1.5 * open, open), 3)
+               .cut(halfSpace({0, -28, 0}, kLeft), 6)
+               .shape(),
+           7);
+
+  // Behind and below it the ischium with its spine, tuberosity and ramus.
+  bone.add(tubeShape({section(-20, -13, 30, 13, 10), section(-23, -15, 10, 12.5, 8.5),
+                      section(-24, -15, -12, 13, 8.5), section(-23, -13, -32, 15, 11.5),
+                      section(-28, -15, -48, 16, 13.5), section(-30, -18, -60, 15, 14),
+                      section(-27, -22, -69, 10, 10.5)},
+                     kLeft, 2.3),
+           8);
+  bone.add(ellipsoidShape({-35, -16, -54}, {8.5, 12, 18.5}, turned(-14, kLeft), 2.3), 7);
+  bone.add(tubeShape({section(-31, -18, -7, 12, 6), section(-43, -28, -14, 7, 3.8),
+                      section(-51, -36, -18.5, 2.6, 2.4)},
+                     kLeft),
+           8);
+  bone.add(tubeShape({section(-24, -23, -70, 11, 10), section(-8, -35, -74, 8.5, 6.5),
+                      section(8, -51, -67, 7.5, 4.8), section(20, -65, -53, 8, 4.8),
+                      section(28, -74, -38, 9.5, 6)},
+                     kLeft),
+           6);
+  // Pubis: superior ramus, body and tubercle; the pecten on top; the iliopubic eminence.
+  bone.add(tubeShape({section(12, -12, 6, 13, 13), section(26, -25, 8, 9.5, 9.5),
+                      section(38, -43, 5, 7, 8), section(44, -60, 0, 7.5, 8.5),
+                      section(44, -72, -4, 8, 9)},
+                     kUp),
+           8);
+  bone.add(tubeShape({section(44, -74, 1, 10, 6.5), section(41, -74.5, -10, 11, 7.5),
+                      section(35, -76, -22, 10, 7.5), section(28, -77, -35, 8, 6.5)},
+                     kForward, 2.5),
+           6);
+  bone.add(ellipsoidShape({50, -62, 4.5}, {5, 5.5, 4.5}), 5);
+  bone.add(tubeShape({section(14, -20, 19, 3, 3.5), section(28, -31, 16, 2.4, 3),
+                      section(42, -54, 9, 2.2, 3), section(49, -63, 7, 2.5, 3)},
+                     kUp),
+           6);
+  bone.add(ellipsoidShape({24, -13, 19}, {8, 8, 6}), 8);
+  // Groove under the superior ramus, for the obturator nerve.
+  bone.cut(tubeShape({section(6, -34, -9, 5, 5), section(28, -46, -8, 4, 5)}, kUp), 5);
+  // Symphyseal face; the socket with its fossa and notch, which leave a crescent.
+  bone.cut(halfSpace({0, -kHalfHipWidth + kHalfSymphysis, 0}, kLeft), 1.5);
+  bone.cut(ballShape({0, 0, 0}, 25.5), 1);
+  bone.cut(tubeShape({{-16.5 * open, 10, 10.5, open},
+                      {-9 * open + 13 * notch, 10, 10.5, open},
+                      {1 * open + 25 * notch, 9.5, 10, open},
+                      {8 * open + 38 * notch, 9.5, 10, open}},
+                     open),
+           2);
+  return bone.shape();
+}
+
+// Fibrocartilage between the pubic bones.
+Shape symphysis() {
+  return tubeShape({section(44, -kHalfHipWidth, -1, kHalfSymphysis + 0.2, 5.5),
+                    section(40, -kHalfHipWidth, -11, kHalfSymphysis + 0.2, 6.5),
+                    section(34, -kHalfHipWidth, -23, kHalfSymphysis + 0.2, 6),
+                    section(29, -kHalfHipWidth, -31, kHalfSymphysis + 0.2, 5)},
+                   kForward, 3);
 }
 
 }  // namespace
 
 std::vector<BonePart> pelvisMesh(const Anatomy& anatomy) {
-  const TriMesh socket = ellipsoid(anatomy.landmark("hip_joint_centre"), pointMm(25.5, 25.5, 25.5),
-                                   Matrix3d::Identity(), 28);
-  TriMesh bone = fuse(sacrum(anatomy), {1.4_mm, 4_mm, 1400, 1, true});
-  appendPair(bone, fuse(hipBone(anatomy), {1.6_mm, 8_mm, 1500, 2, false}, socket));
-  // Symphysis, between the two bodies of the pubis.
   const Vector3d hip = anatomy.landmark("hip_joint_centre");
-  TubeStyle style;
-  style.up = Vector3d::UnitX();
-  const Vector3d middle(hip.x(), 0, hip.z());
-  const TriMesh symphysis = tube({{middle + pointMm(47, 0, -19), 5_mm, 6.5_mm},
-                                  {middle + pointMm(42, 0, -32), 5_mm, 6.5_mm},
-                                  {middle + pointMm(34, 0, -46), 4.5_mm, 5.5_mm}},
-                                 style);
-  return {{Tissue::kBone, bone}, {Tissue::kCartilage, symphysis}};
+  Affine3d X = Affine3d::Identity();
+  X.translation() = hip;
+  X.linear() *= hip.y() / kHalfHipWidth;
+
+  TriMesh bone = fuse(sacrum(anatomy), {1.4_mm, 4_mm, 1400, 1, true});
+  // The auricular faces: what the sacrum leaves of the iliac bones, less the cartilage.
+  const Shape clear_of = grown(moved(meshShape(bone), X.inverse()), 1);
+  const Shape left = Sculpture().add(hipBone()).cut(clear_of, 1).shape();
+  appendPair(bone, surface(left, 2.0, 3300, X));
+  return {{Tissue::kBone, bone}, {Tissue::kCartilage, surface(symphysis(), 1.2, 200, X)}};
 }
 
 }  // namespace torso

@@ -131,6 +131,31 @@ class Field {
     }
   }
 
+  // Values near the surface of a signed distance; elsewhere only which side it is on.
+  void set(const std::function<double(const Vector3d&)>& distance) {
+    constexpr int kBlock = 4;
+    for (int i = 0; i < size_[0]; i += kBlock) {
+      for (int j = 0; j < size_[1]; j += kBlock) {
+        for (int k = 0; k < size_[2]; k += kBlock) {
+          const Vector3i first(i, j, k);
+          const Vector3i last = (first + Vector3i::Constant(kBlock)).cwiseMin(size_);
+          const double half = 0.5 * (kBlock - 1) * h_;
+          const double middle = distance(node(i, j, k) + Vector3d::Constant(half));
+          // Half the diagonal, what smoothing reaches, and something as distances are not exact.
+          const bool near = std::abs(middle) < 1.4 * (std::sqrt(3.0) * half + 2 * h_);
+          for (int a = first[0]; a < last[0]; a++) {
+            for (int b = first[1]; b < last[1]; b++) {
+              for (int c = first[2]; c < last[2]; c++) {
+                const double d = near ? distance(node(a, b, c)) : middle;
+                value_[index(a, b, c)] = std::clamp(d, -band_, band_);
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+
   // Each node towards the mean of its six neighbours; planes stay where they are.
   void smooth(bool symmetric) {
     const std::vector<double> old = value_;
@@ -528,6 +553,16 @@ std::vector<TriMesh> connectedParts(const TriMesh& mesh) {
 }
 
 TriMesh simplified(const TriMesh& mesh, int max_faces) { return Simplifier(mesh).run(max_faces); }
+
+TriMesh surfaceOf(const std::function<double(const Vector3d&)>& distance, const AlignedBox3d& box,
+                  const FuseOptions& options) {
+  Field field(box, options);
+  field.set(distance);
+  for (int i = 0; i < options.smoothing; i++) field.smooth(false);
+  TriMesh surface = field.surface();
+  field.relax(surface, false);
+  return simplified(surface, options.max_faces);
+}
 
 TriMesh fuse(const TriMesh& shells, const FuseOptions& options, const TriMesh& cut) {
   AlignedBox3d box;

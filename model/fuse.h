@@ -4,6 +4,9 @@
 // One smooth surface about overlapping shells: the union of their distance fields on a grid, with
 // fillets, and its zero surface, thinned out.
 
+#include <Eigen/Geometry>
+#include <functional>
+
 #include "model/tri_mesh.h"
 
 namespace torso {
@@ -20,6 +23,11 @@ struct FuseOptions {
 // edge between two faces. Shapes thinner than about two voxels are lost. What lies in `cut`, shells
 // as well, is taken away.
 TriMesh fuse(const TriMesh& shells, const FuseOptions& options, const TriMesh& cut = {});
+
+// The zero surface of a signed distance, negative inside, that lies in `box`; made as that of fuse.
+// options.fillet and options.symmetric do not matter.
+TriMesh surfaceOf(const std::function<double(const Eigen::Vector3d&)>& distance,
+                  const Eigen::AlignedBox3d& box, const FuseOptions& options);
 
 // Edge collapses by quadric error (Garland and Heckbert 1997, SIGGRAPH) until max_faces are left.
 // Vertices on an open edge must lie in the plane y = 0 and stay in it.

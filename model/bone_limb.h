@@ -1,0 +1,47 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the bones of the limbs have in common. They are modelled in millimetres in the frame of
+// their segment at a reference length, and scaled to the landmarks.
+
+#include <Eigen/Geometry>
+
+#include "model/anatomy.h"
+#include "model/shape.h"
+
+namespace torso {
+
+// Lengths between joint centres that the numbers of the bones are for [mm].
+constexpr double kThighLength = 412, kShankLength = 373, kUpperArmLength = 275,
+                 kForearmLength = 263;
+
+// From millimetres in the frame of a limb segment (origin at the proximal joint, z from the distal
+// joint to it, x forward, y left) to the standing body [m].
+Eigen::Affine3d limbPlace(const Eigen::Vector3d& proximal, const Eigen::Vector3d& distal,
+                          double reference_length);
+
+inline const Eigen::Vector3d kForward = Eigen::Vector3d::UnitX(), kLeft = Eigen::Vector3d::UnitY(),
+                             kUp = Eigen::Vector3d::UnitZ();
+
+inline Eigen::Matrix3d turned(double degrees, const Eigen::Vector3d& axis) {
+  return Eigen::AngleAxisd(degrees * EIGEN_PI / 180, axis.normalized()).toRotationMatrix();
+}
+
+inline Section section(double x, double y, double z, double side, double up) {
+  return {Eigen::Vector3d(x, y, z), side, up, Eigen::Vector3d::Zero()};
+}
+
+// Left bones that others are fitted to, in the frame of their segment [mm].
+Shape humerusShape();
+Shape femurShape();
+
+// Metacarpal or metatarsal bone, phalanx, and phalanx at the end of its ray.
+enum class RayBone { kMetapodial, kPhalanx, kTerminal };
+
+// A bone of a finger or a toe, from the middle of its base to the tip of its head. `dorsal` need
+// not be normal to it. Half widths (across) and half depths (dorsal to palmar) of base and head.
+Shape rayBone(RayBone kind, const Eigen::Vector3d& base, const Eigen::Vector3d& head,
+              const Eigen::Vector3d& dorsal, const Eigen::Vector2d& base_half,
+              const Eigen::Vector2d& waist_half, const Eigen::Vector2d& head_half);
+
+}  // namespace torso
