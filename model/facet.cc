@@ -203,6 +203,7 @@ std::vector<Facet> makeFacets(const Anatomy& anatomy) {
 
 std::vector<Facet> makeFacets(const Anatomy& anatomy, const Skeleton& skeleton) {
   std::vector<Facet> facets = makeFacets(anatomy);
+  if (!skeleton.has("left_scapula")) return facets;
   for (std::size_t i = 0; i + 1 < facets.size(); i++) {
     Facet& left = facets[i];
     if (left.kind != Facet::Kind::kScapulothoracic || left.points_body != "left_scapula") continue;

@@ -43,8 +43,7 @@ struct Facet {
 std::vector<Facet> makeFacets(const Anatomy& anatomy);
 
 // The same with the scapulothoracic ones fitted to the bones: their points on the costal surface of
-// the scapula, their ellipsoid through them. The skeleton has both scapulae, or std::out_of_range
-// is thrown.
+// the scapula, their ellipsoid through them; if the skeleton has the left scapula.
 std::vector<Facet> makeFacets(const Anatomy& anatomy, const Skeleton& skeleton);
 
 // Fits a left scapulothoracic facet to the left scapula (standing body [m]): moves its points to

@@ -169,6 +169,10 @@ std::vector<LigamentSegment> makeLigaments(const Anatomy& anatomy) {
 std::vector<LigamentSegment> makeLigaments(const Anatomy& anatomy, const Skeleton& skeleton) {
   std::vector<LigamentSegment> segments = makeLigaments(anatomy);
   for (LigamentSegment& s : segments) {
+    if (!skeleton.has(bodyOfLevel(anatomy, s.lower)) ||
+        !skeleton.has(bodyOfLevel(anatomy, s.upper))) {
+      continue;
+    }
     const double ratio = s.max_length / (s.upper_point - s.lower_point).norm();
     s.lower_point = ligamentSite(anatomy, s.lower, s.ligament, true, s.lower_point,
                                  skeleton.bone(bodyOfLevel(anatomy, s.lower)));

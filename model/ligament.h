@@ -22,8 +22,7 @@ struct LigamentSegment {
 // estimated from the tables, a few millimetres off the bones' surfaces.
 std::vector<LigamentSegment> makeLigaments(const Anatomy& anatomy);
 
-// The same on the surfaces of the bones. The skeleton has "pelvis" and all free vertebrae, or
-// std::out_of_range is thrown.
+// The same on the surfaces of the bones, where the skeleton has both.
 std::vector<LigamentSegment> makeLigaments(const Anatomy& anatomy, const Skeleton& skeleton);
 
 }  // namespace torso

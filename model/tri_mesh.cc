@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <cstring>
+#include <map>
+#include <stdexcept>
 
 namespace torso {
 
@@ -45,6 +47,30 @@ std::string toStl(const TriMesh& mesh) {
     bytes.append(2, '\0');
   }
   return bytes;
+}
+
+TriMesh fromStl(const std::string& bytes) {
+  constexpr std::size_t kHeader = 84, kTriangle = 50;
+  std::uint32_t count = 0;
+  if (bytes.size() >= kHeader) std::memcpy(&count, bytes.data() + 80, 4);
+  if (bytes.size() < kHeader || bytes.size() != kHeader + kTriangle * count) {
+    throw std::invalid_argument("not a binary STL file, or cut short");
+  }
+  TriMesh mesh;
+  std::map<std::array<float, 3>, int> known;
+  for (std::uint32_t i = 0; i < count; i++) {
+    const char* triangle = bytes.data() + kHeader + kTriangle * i + 12;
+    std::array<int, 3> face;
+    for (int k = 0; k < 3; k++) {
+      std::array<float, 3> v;
+      std::memcpy(v.data(), triangle + 12 * k, 12);
+      const auto [at, added] = known.try_emplace(v, static_cast<int>(mesh.vertices.size()));
+      if (added) mesh.vertices.emplace_back(v[0], v[1], v[2]);
+      face[k] = at->second;
+    }
+    mesh.faces.push_back(face);
+  }
+  return mesh;
 }
 
 }  // namespace torso

@@ -20,5 +20,8 @@ TriMesh mirrored(const TriMesh& mesh);                                 // y -> -
 TriMesh transformed(const TriMesh& mesh, const Eigen::Isometry3d& X);  // x -> X x
 // The bytes of a binary STL file.
 std::string toStl(const TriMesh& mesh);
+// The mesh of such a file, identical vertices joined. Throws std::invalid_argument if the bytes are
+// none.
+TriMesh fromStl(const std::string& bytes);
 
 }  // namespace torso

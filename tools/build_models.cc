@@ -1,7 +1,7 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "tools/build_models.h"
 
-#include "model/body.h"
+#include "tools/bone_files.h"
 #include "tools/torso_mjcf.h"
 
 namespace torso::tools {
@@ -31,12 +31,7 @@ Files buildModels(const Anatomy& anatomy, int threads,
   const Skeleton skeleton(anatomy, mjcfBodies(anatomy, human), threads, progress);
   human.skeleton = &skeleton;
   Files files;
-  for (const std::string& body : skeleton.bodies()) {
-    for (const BonePart& part : skeleton.parts(body)) {
-      files["assets/" + boneMeshName(body, part.tissue) + ".stl"] =
-          toStl(transformed(part.mesh, bodyFrame(anatomy, body).inverse()));
-    }
-  }
+  for (auto& [name, content] : boneFiles(anatomy, skeleton)) files["assets/" + name] = content;
   tinyxml2::XMLDocument scene, held;
   writeScene(scene);
   files["scene.xml"] = text(scene);

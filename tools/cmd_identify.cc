@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "tools/bone_files.h"
 #include "tools/commands.h"
 #include "tools/files.h"
 #include "tools/identify.h"
@@ -78,11 +79,13 @@ void identify(const Options& options) {
   const Anatomy anatomy = Anatomy::load(anatomyFolder());
   const std::string folder = options.folder.empty() ? anatomyFolder() : options.folder;
   makeFolder(folder);
+  const Skeleton skeleton = readSkeleton(anatomy, mjcfFolder() + "/assets", spineBodies(anatomy));
   const int threads = static_cast<int>(std::thread::hardware_concurrency());
   Identification result;
   {
     const ProgressBar bar;
-    result = identifyLigaments(anatomy, {}, threads, [&bar](double share) { bar.show(share); });
+    result = identifyLigaments(anatomy, skeleton, {}, threads,
+                               [&bar](double share) { bar.show(share); });
   }
   const std::string path = folder + "/" + kTable;
   writeFile(path, table(result));

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "tools/bone_files.h"
 #include "tools/commands.h"
 #include "tools/error.h"
 #include "tools/paths.h"
@@ -102,11 +103,12 @@ void rom(const Options& options) {
   for (const std::string& part : options.without) {
     (part == "ligaments" ? parts.ligaments : parts.facets) = false;
   }
+  const Skeleton skeleton = readSkeleton(anatomy, mjcfFolder() + "/assets", spineBodies(anatomy));
   const int threads = static_cast<int>(std::thread::hardware_concurrency());
   RomReport report;
   {
     const ProgressBar bar;
-    report = measureRom(anatomy, options.levels, parts, options.follower, threads,
+    report = measureRom(anatomy, skeleton, options.levels, parts, options.follower, threads,
                         [&bar](double share) { bar.show(share); });
   }
   if (options.json) {

@@ -66,30 +66,6 @@ void Grafter::placeFiles(XMLElement* root, const std::string& folder) const {
   });
 }
 
-// Names and contents of the STL files, at the size of the tables.
-Grafter::Files Grafter::boneMeshes() const {
-  Files meshes;
-  for (const std::string& body : mjcfBodies(table_size_, MjcfOptions())) {
-    if (o_.meshes.empty()) {
-      for (const BonePart& part : boneMesh(table_size_, body)) {
-        const TriMesh local = transformed(part.mesh, bodyFrame(table_size_, body).inverse());
-        meshes.emplace_back(boneMeshName(body, part.tissue) + ".stl", toStl(local));
-      }
-      continue;
-    }
-    for (const Tissue tissue : boneTissues(table_size_, body)) {
-      const std::string name = boneMeshName(body, tissue) + ".stl";
-      const std::string path = (fs::path(o_.meshes) / name).string();
-      std::ifstream file(path, std::ios::binary);
-      std::ostringstream content;
-      content << file.rdbuf();
-      if (!file) throw Error(path + ": cannot read this bone mesh; run `torso build`");
-      meshes.emplace_back(name, content.str());
-    }
-  }
-  return meshes;
-}
-
 // Writes document and meshes, the document last.
 void Grafter::write(const std::string& path, const Files& meshes) const {
   XMLDocument placed;

@@ -47,8 +47,9 @@ using Angles = std::array<double, kNumTurns>;
 // One level on the bench.
 class Level {
  public:
-  Level(const Anatomy& anatomy, const Disc& disc) : anatomy_(anatomy), disc_(disc) {
-    SegmentBench bench(anatomy, disc.name, {false, true});
+  Level(const Anatomy& anatomy, const Skeleton& skeleton, const Disc& disc)
+      : anatomy_(anatomy), skeleton_(skeleton), disc_(disc) {
+    SegmentBench bench(anatomy, skeleton, disc.name, {false, true});
     for (const std::string& name : bench.ligaments()) {
       for (const Ligament& ligament : anatomy.ligaments) {
         if (ligament.name == name) pairs_.push_back(ligamentPair(ligament));
@@ -71,7 +72,7 @@ class Level {
     Angles aim = target_;
     std::vector<LigamentLength> lengths = longest(aim);
     for (int pass = 1; pass < kPasses; pass++) {
-      SegmentBench bench(withLengths(anatomy_, lengths), disc_.name);
+      SegmentBench bench(withLengths(anatomy_, lengths), skeleton_, disc_.name);
       for (int k = 0; k < kNumTurns; k++) {
         const double angle = bench.load(kTurns[k], laboratoryMoment(disc_.region), 1).back().angle;
         aim[k] = std::clamp(aim[k] - (angle - target_[k]), 0.3 * target_[k], target_[k]);
@@ -105,6 +106,7 @@ class Level {
   }
 
   const Anatomy& anatomy_;
+  const Skeleton& skeleton_;
   const Disc& disc_;
   std::vector<std::string> pairs_;  // of the bench's ligaments
   Angles target_;
@@ -114,8 +116,9 @@ class Level {
 
 }  // namespace
 
-Identification identifyLigaments(const Anatomy& anatomy, const std::vector<std::string>& names,
-                                 int threads, const std::function<void(double)>& progress) {
+Identification identifyLigaments(const Anatomy& anatomy, const Skeleton& skeleton,
+                                 const std::vector<std::string>& names, int threads,
+                                 const std::function<void(double)>& progress) {
   std::vector<const Disc*> discs;
   for (const Disc& disc : anatomy.discs) {
     if (disc.upper == anatomy.c2.name) continue;  // C2/C3 has no ligaments
@@ -127,7 +130,7 @@ Identification identifyLigaments(const Anatomy& anatomy, const std::vector<std::
   std::vector<Identification> levels(n);
   std::atomic<int> done{0};
   forEach(n, threads, [&](int i) {
-    const Level level(anatomy, *discs[i]);
+    const Level level(anatomy, skeleton, *discs[i]);
     levels[i] = {level.identify(), level.reach()};
     progress(static_cast<double>(++done) / n);
   });

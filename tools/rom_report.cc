@@ -15,9 +15,9 @@ constexpr int kSteps = 10;
 
 double followerLoad(Region region) { return region == Region::kCervical ? 100 : 400; }
 
-RomReport measureRom(const Anatomy& anatomy, const std::vector<std::string>& names,
-                     const SegmentParts& parts, bool follower, int threads,
-                     const std::function<void(double)>& progress) {
+RomReport measureRom(const Anatomy& anatomy, const Skeleton& skeleton,
+                     const std::vector<std::string>& names, const SegmentParts& parts,
+                     bool follower, int threads, const std::function<void(double)>& progress) {
   std::vector<const Disc*> discs;
   for (const Disc& disc : anatomy.discs) {
     if (names.empty() || std::find(names.begin(), names.end(), disc.name) != names.end()) {
@@ -29,7 +29,8 @@ RomReport measureRom(const Anatomy& anatomy, const std::vector<std::string>& nam
   std::atomic<int> done{0};
   forEach(n, threads, [&](int i) {
     const Disc& disc = *discs[i];
-    SegmentBench bench(anatomy, disc.name, parts, follower ? followerLoad(disc.region) : 0);
+    SegmentBench bench(anatomy, skeleton, disc.name, parts,
+                       follower ? followerLoad(disc.region) : 0);
     for (int k = 0; k < turns; k++) {
       curves[i * turns + k] = {disc.name, kTurns[k],
                                bench.load(kTurns[k], laboratoryMoment(disc.region), kSteps)};

@@ -38,9 +38,9 @@ struct RomReport {
 double followerLoad(Region region);
 
 // discs: names; empty: all 23. progress: share done, from any thread. Throws Error.
-RomReport measureRom(const Anatomy& anatomy, const std::vector<std::string>& discs,
-                     const SegmentParts& parts, bool follower, int threads,
-                     const std::function<void(double)>& progress);
+RomReport measureRom(const Anatomy& anatomy, const Skeleton& skeleton,
+                     const std::vector<std::string>& discs, const SegmentParts& parts,
+                     bool follower, int threads, const std::function<void(double)>& progress);
 
 // Sum over a region's segments, those whose upper bone lies in it.
 double regionSum(const Anatomy& anatomy, const RomReport& report, Region region, Motion motion);

@@ -54,14 +54,15 @@ double laboratoryMoment(Region region) {
   return region == Region::kLumbar ? 7.5 : region == Region::kThoracic ? 5 : 2;
 }
 
-SegmentBench::SegmentBench(const Anatomy& anatomy, const std::string& disc_name,
-                           const SegmentParts& parts, double follower)
+SegmentBench::SegmentBench(const Anatomy& anatomy, const Skeleton& skeleton,
+                           const std::string& disc_name, const SegmentParts& parts, double follower)
     : name_(disc_name), follower_(follower) {
   const Disc& disc = findDisc(anatomy, disc_name);
   MjcfOptions options;
   options.anchored = bodyOfLevel(anatomy, disc.lower);
   options.only = {options.anchored, bodyOfLevel(anatomy, disc.upper)};
   options.bones = false;
+  options.skeleton = &skeleton;
   tinyxml2::XMLDocument document;
   writeMjcf(anatomy, options, document);
   tinyxml2::XMLPrinter printer;

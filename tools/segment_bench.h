@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "model/anatomy.h"
+#include "model/skeleton.h"
 #include "tools/mujoco_support.h"
 
 namespace torso::tools {
@@ -34,10 +35,10 @@ struct SegmentPose {
 
 class SegmentBench {
  public:
-  // disc: name, "L4/L5". follower: compression along the disc's axis at its centre [N], there
-  // before the moment. Throws Error.
-  SegmentBench(const Anatomy& anatomy, const std::string& disc, const SegmentParts& parts = {},
-               double follower = 0);
+  // The skeleton has the bones that the segment is made of. disc: name, "L4/L5". follower:
+  // compression along the disc's axis at its centre [N], there before the moment. Throws Error.
+  SegmentBench(const Anatomy& anatomy, const Skeleton& skeleton, const std::string& disc,
+               const SegmentParts& parts = {}, double follower = 0);
 
   const std::vector<std::string>& ligaments() const { return ligaments_; }  // without the level
 

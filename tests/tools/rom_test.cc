@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "model/disc_bench.h"
+#include "tools/bone_files.h"
 #include "tools/identify.h"
 #include "tools/rom_report.h"
 #include "tools/segment_bench.h"
@@ -19,6 +20,11 @@ const Anatomy& anatomy() {
   return a;
 }
 
+const Skeleton& skeleton() {
+  static const Skeleton s = readSkeleton(anatomy(), TORSO_MJCF "/assets", spineBodies(anatomy()));
+  return s;
+}
+
 const Disc& disc(const std::string& name) {
   for (const Disc& d : anatomy().discs) {
     if (d.name == name) return d;
@@ -27,7 +33,10 @@ const Disc& disc(const std::string& name) {
 }
 
 double angleAt(const Anatomy& a, const std::string& name, Turn turn) {
-  return SegmentBench(a, name).load(turn, laboratoryMoment(disc(name).region), 1).back().angle;
+  return SegmentBench(a, skeleton(), name)
+      .load(turn, laboratoryMoment(disc(name).region), 1)
+      .back()
+      .angle;
 }
 
 // The dynamic simulation comes to rest where the quasi-static solver of the disc's bench does.
@@ -35,7 +44,7 @@ TEST(SegmentBench, WithoutLigamentsAndFacetsIsTheDiscOnItsBench) {
   for (const char* name : {"L4/L5", "T6/T7", "C5/C6"}) {
     const Disc& d = disc(name);
     const DiscBench reference(makeDiscMesh(d.shape), d.material);
-    SegmentBench bench(anatomy(), name, {false, false});
+    SegmentBench bench(anatomy(), skeleton(), name, {false, false});
     const double moment = 0.4 * laboratoryMoment(d.region);
     const std::pair<Turn, DiscTest::Quantity> turns[] = {
         {Turn::kFlexion, DiscTest::Quantity::kFlexion},
@@ -52,7 +61,7 @@ TEST(SegmentBench, WithoutLigamentsAndFacetsIsTheDiscOnItsBench) {
 
 // No ligament tension and no facet can turn it the other way, or faster than the moment does.
 TEST(SegmentBench, TurnsFurtherUnderMoreMoment) {
-  SegmentBench bench(anatomy(), "L2/L3");
+  SegmentBench bench(anatomy(), skeleton(), "L2/L3");
   for (const Turn turn : kTurns) {
     const auto poses = bench.load(turn, 7.5, 6);
     EXPECT_NEAR(poses.front().angle, 0, 1e-9);
@@ -66,7 +75,7 @@ TEST(SegmentBench, TurnsFurtherUnderMoreMoment) {
 // those that hold in flexion were a twentieth of their way shorter, it could not.
 TEST(Identification, FindsTheShortestLengthsThatReachTheRange) {
   const std::string name = "T6/T7";
-  const Identification result = identifyLigaments(anatomy(), {name}, 1, [](double) {});
+  const Identification result = identifyLigaments(anatomy(), skeleton(), {name}, 1, [](double) {});
   ASSERT_EQ(result.lengths.size(), 12u);
   for (const LigamentLength& length : result.lengths) {
     for (const Ligament& ligament : anatomy().ligaments) {
@@ -100,7 +109,7 @@ TEST(RangeOfMotion, IsInsideThePublishedRanges) {
       // Facets of one shape for all lumbar levels: tighter ones would flex too little.
       "L5/S1 axial_rotation", "L4/L5 flexion", "L3/L4 flexion_extension"};
   const int threads = static_cast<int>(std::thread::hardware_concurrency());
-  const RomReport report = measureRom(anatomy(), {}, {}, false, threads, [](double) {});
+  const RomReport report = measureRom(anatomy(), skeleton(), {}, {}, false, threads, [](double) {});
   ASSERT_EQ(report.motions.size(), 115u);
   int inside = 0;
   for (const LevelMotion& m : report.motions) {
