@@ -80,4 +80,16 @@ const MeshTree& Skeleton::whole(const std::string& body) const {
   return it == wholes_.end() ? bones_.at(body) : it->second;
 }
 
+Skeleton scaled(const Skeleton& skeleton, double length) {
+  std::map<std::string, std::vector<BonePart>> parts;
+  for (const std::string& body : skeleton.bodies()) {
+    std::vector<BonePart> bones = skeleton.parts(body);
+    for (BonePart& part : bones) {
+      for (Eigen::Vector3d& v : part.mesh.vertices) v *= length;
+    }
+    parts.emplace(body, std::move(bones));
+  }
+  return Skeleton(std::move(parts));
+}
+
 }  // namespace torso

@@ -48,4 +48,7 @@ class Skeleton {
   std::map<std::string, MeshTree> wholes_;  // only of bodies with more than bone
 };
 
+// All lengths times `length` > 0.
+Skeleton scaled(const Skeleton& skeleton, double length);
+
 }  // namespace torso

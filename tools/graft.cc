@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "model/body.h"
+#include "tools/bone_files.h"
 #include "tools/files.h"
 #include "tools/graft_xml.h"
 #include "tools/grafter.h"
@@ -177,7 +178,7 @@ GraftReport Grafter::run() {
     exclude(thigh, bodyName("L4"), why);
   }
 
-  const Files meshes = boneMeshes();
+  const Files meshes = boneFiles(table_size_, *bones_);
   const TemporaryFolder stage;
   const std::string staged = stage.path + "/" + fs::path(o_.output).filename().string();
   ModelPtr m;

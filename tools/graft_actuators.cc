@@ -70,9 +70,9 @@ Level level(const Anatomy& a, int disc, int axis) {
   const Servo& s = servo(a, region, motion);
   const RangeOfMotion& rom = a.range_of_motion.at(d.name);
   const double share = d.region == Region::kThoracic && d.lower != "L1" ? kThoracicRange : 1;
-  const double max = axis == 0 ? rom.lateral_bending : axis == 1 ? rom.flexion : rom.axial_rotation;
-  return {d.name + "_" + motion, share * (axis == 1 ? -rom.extension : -max), share * max, s.kp,
-          s.force_limit};
+  const double max = rom[axis == 0 ? kLateralBending : axis == 1 ? kFlexion : kAxialRotation].mean;
+  return {d.name + "_" + motion, share * (axis == 1 ? -rom[kExtension].mean : -max), share * max,
+          s.kp, s.force_limit};
 }
 
 }  // namespace

@@ -5,7 +5,9 @@
 #include <functional>
 #include <map>
 #include <set>
+#include <thread>
 
+#include "tools/bone_files.h"
 #include "tools/graft_xml.h"
 #include "tools/grafter.h"
 #include "tools/mjcf.h"
@@ -20,7 +22,15 @@ using tinyxml2::XMLNode;
 }  // namespace
 
 void Grafter::writeTorso() {
+  const std::vector<std::string> bodies = mjcfBodies(table_size_, MjcfOptions());
+  if (o_.meshes.empty()) {
+    bones_.emplace(table_size_, bodies, static_cast<int>(std::thread::hardware_concurrency()));
+  } else {
+    bones_ = readSkeleton(table_size_, o_.meshes, bodies);
+  }
+  const Skeleton skeleton = scaled(*bones_, report_.length_scale);
   MjcfOptions mjcf;
+  mjcf.skeleton = &skeleton;
   mjcf.prefix = o_.prefix;
   mjcf.mesh_scale = report_.length_scale;
   mjcf.mesh_dir = kGraftAssets;

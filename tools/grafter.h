@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@
 
 #include "model/anatomy.h"
 #include "model/body.h"
+#include "model/skeleton.h"
 #include "tools/error.h"
 #include "tools/graft.h"
 #include "tools/graft_host.h"
@@ -104,8 +106,7 @@ class Grafter {
   void merge();
 
   // graft_files.cc
-  using Files = std::vector<std::pair<std::string, std::string>>;  // name, content
-  Files boneMeshes() const;                                        // at the size of the tables
+  using Files = std::map<std::string, std::string>;  // content by name
   void placeFiles(XMLElement* root, const std::string& folder) const;
   void write(const std::string& path, const Files& meshes) const;
 
@@ -113,6 +114,7 @@ class Grafter {
   void check(const mjModel* m);
 
   const Anatomy& table_size_;
+  std::optional<Skeleton> bones_;  // at the size of the tables
   const GraftOptions& o_;
   Host host_;
   HostParts parts_;
