@@ -149,7 +149,7 @@ TriMesh handMesh(const Anatomy& anatomy) {
     bones.push_back(ellipsoidShape({57, y, 21}, {2.6, 2.2, 2}));
     faces.push_back(40);
   }
-  bones = keptApart(bones, 1.5);
+  bones = keptApart(bones, 1.7);
   TriMesh mesh;
   for (std::size_t i = 0; i < bones.size(); i++) {
     append(mesh, surface(bones[i], 0.95, faces[i], X));

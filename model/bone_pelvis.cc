@@ -17,13 +17,13 @@ constexpr double kHalfSymphysis = 2.5;
 // Wing of the ilium, without what carries the acetabulum. From the posterior to the anterior
 // superior spine.
 void addWing(Sculpture& bone) {
-  const std::vector<Vector3d> crest = {{-93, -43, 86}, {-87, -33, 103}, {-71, -13, 119},
-                                       {-48, 13, 130}, {-19, 34, 134},  {9, 46.5, 127},
+  const std::vector<Vector3d> crest = {{-93, -43, 86}, {-87, -33, 103}, {-71, -16, 119},
+                                       {-49, 10, 130}, {-19, 34, 134},  {9, 46.5, 127},
                                        {32, 48, 105},  {49, 36, 75}};
-  const std::vector<Vector3d> middle = {{-88, -43, 78}, {-79, -36, 90}, {-63, -22, 101},
-                                        {-44, -4, 106}, {-20, 12, 107}, {2, 24, 101},
-                                        {23, 31, 86},   {43, 29, 63}};
-  const std::vector<Vector3d> low = {{-82, -43, 67}, {-72, -38, 72}, {-56, -28, 76}, {-40, -15, 76},
+  const std::vector<Vector3d> middle = {{-88, -43, 78},  {-79, -37, 90}, {-63, -27, 101},
+                                        {-45, -11, 106}, {-20, 12, 107}, {2, 24, 101},
+                                        {23, 31, 86},    {43, 29, 63}};
+  const std::vector<Vector3d> low = {{-82, -43, 67}, {-72, -38, 72}, {-56, -31, 76}, {-41, -21, 76},
                                      {-22, -1, 72},  {-3, 11, 64},   {17, 18, 56},   {36, 22, 50}};
   const std::vector<Vector3d> base = {{-76, -42, 58}, {-66, -38, 56}, {-52, -31, 54},
                                       {-38, -22, 50}, {-22, -10, 42}, {-4, 2, 34},
@@ -32,6 +32,11 @@ void addWing(Sculpture& bone) {
                                                    {14, 17, 16, 9, 6.5, 7.5, 8, 9},
                                                    {14, 15, 12, 6, 3.8, 5, 7, 8},
                                                    {9, 9, 8, 7, 7, 8, 8, 8}}));
+  // The auricular part, across the side of the sacrum, of which pelvisMesh cuts the face.
+  bone.add(tubeShape({section(-37, -27, 98, 11, 13), section(-50, -32, 88, 15, 13),
+                      section(-64, -37, 76, 14, 11), section(-76, -40, 66, 9, 9)},
+                     kLeft),
+           10);
   // The crest's lips, thickest at its tubercle; the spines at its ends.
   const double half_width[] = {7.5, 7.5, 6.5, 5, 5.2, 7.5, 6.5, 5.5};
   std::vector<Section> lips;

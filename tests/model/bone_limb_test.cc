@@ -92,6 +92,12 @@ TEST(LimbBones, LengthsAreThoseOfTheStature) {
   }
 }
 
+TEST(LimbBones, GrowWithTheBody) {
+  const std::vector<BonePart> tall = boneMesh(anatomy().scaled(1.1, 1.2), "left_upper_arm");
+  const std::vector<BonePart> table = boneMesh(anatomy(), "left_upper_arm");
+  EXPECT_NEAR(maximumLength(tall[0].mesh), 1.1 * maximumLength(table[0].mesh), 1e-6);
+}
+
 TEST(LimbBones, AllBonesAreThere) {
   const std::map<std::string, size_t> counts = {
       {"left_upper_arm", 1},
