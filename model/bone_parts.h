@@ -26,6 +26,10 @@ TriMesh vertebraMesh(const Anatomy& anatomy, const std::string& level);  // L5 .
 // Its overlapping parts, for C2 to be completed.
 TriMesh vertebraShells(const Anatomy& anatomy, const std::string& level);
 
+TriMesh atlasMesh(const Anatomy& anatomy);   // C1
+TriMesh axisMesh(const Anatomy& anatomy);    // C2
+TriMesh sacrumMesh(const Anatomy& anatomy);  // with the coccyx
+
 // Face of a left superior facet in the standing body: its frame has z out of the face, y up along
 // it (its height) and x across (its width).
 Eigen::Isometry3d facetFrame(const Anatomy& anatomy, const ArticularFacet& facet);
