@@ -23,8 +23,6 @@ inline Section sectionMm(double x, double y, double z, double side, double up) {
 }
 
 TriMesh vertebraMesh(const Anatomy& anatomy, const std::string& level);  // L5 .. C3
-// Its overlapping parts, for C2 to be completed.
-TriMesh vertebraShells(const Anatomy& anatomy, const std::string& level);
 
 TriMesh atlasMesh(const Anatomy& anatomy);   // C1
 TriMesh axisMesh(const Anatomy& anatomy);    // C2
@@ -33,8 +31,6 @@ TriMesh sacrumMesh(const Anatomy& anatomy);  // with the coccyx
 // Face of a left superior facet in the standing body: its frame has z out of the face, y up along
 // it (its height) and x across (its width).
 Eigen::Isometry3d facetFrame(const Anatomy& anatomy, const ArticularFacet& facet);
-// Bone that carries a facet face: `frame` as above; reaches `depth` behind the face.
-TriMesh facetPad(const Eigen::Isometry3d& frame, double width, double height, double depth);
 
 std::vector<BonePart> pelvisMesh(const Anatomy& anatomy);
 std::vector<BonePart> ribCageMesh(const Anatomy& anatomy);
