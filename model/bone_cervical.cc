@@ -24,7 +24,7 @@ Vector3d pillar(const VertebraPlan& plan) {
 
 void addLaminae(Blend& bone, const VertebraPlan& plan) {
   const Vector3d middle = laminaMiddle(plan), side = pillar(plan);
-  const double tall = 0.40 * 2 * plan.half_height;
+  const double tall = plan.number() == 2 ? 5.8_mm : 0.8 * plan.half_height;
   TubeStyle style;
   style.squareness = 2.8;
   style.up = Vector3d(0.35, 0, 1);
