@@ -24,12 +24,12 @@ Vector3d pillar(const VertebraPlan& plan) {
 
 void addLaminae(Blend& bone, const VertebraPlan& plan) {
   const Vector3d middle = laminaMiddle(plan), side = pillar(plan);
-  const double tall = 0.40 * 2 * plan.half_height;
+  const double tall = plan.number() == 2 ? 5.8_mm : 0.8 * plan.half_height;
   TubeStyle style;
   style.squareness = 2.8;
   style.up = Vector3d(0.35, 0, 1);
   // Flat roofs over a three-sided canal, of which the cord needs the ellipse.
-  const double thick = plan.number() == 2 ? 2.6_mm : 1.9_mm;
+  const double thick = plan.number() == 2 ? 2.6_mm : 2.2_mm;
   const Vector3d half(plan.canal_end + 0.10 * plan.v.canal_depth - thick, 0.52 * plan.canal_half,
                       0.5 * (middle.z() + side.z()));
   bone.unitePair(
@@ -80,7 +80,7 @@ void addPillars(Blend& bone, const VertebraPlan& plan) {
   style.cap = 0.3;
   if (plan.has_superior) {
     bone.unitePair(rod({{i.behind(2.5_mm), 0.44 * i.width, 0.40 * i.height},
-                        {pillar(plan), 0.43 * i.width, 4.8_mm},
+                        {pillar(plan), 0.46 * i.width, 5.6_mm},
                         {s.behind(2.5_mm), 0.44 * s.width, 0.40 * s.height}},
                        style),
                    2.5_mm);
@@ -107,8 +107,8 @@ void addUncinateProcesses(Blend& bone, const VertebraPlan& plan) {
     return Section{{x * depth, y + out * 1e-3, z + up * 1e-3}, 1.5_mm, half};
   };
   bone.unitePair(
-      rod({hook(0.20, -2.1, -2.5, 2.0_mm), hook(0.02, -1.5, -1.0, 0.6 * high + 1.2_mm),
-           hook(-0.16, -1.3, -0.6, high + 1.0_mm), hook(-0.34, -1.7, -1.0, high + 0.6_mm)},
+      rod({hook(0.20, -2.2, -2.5, 2.0_mm), hook(0.02, -1.7, -1.0, 0.6 * high + 1.2_mm),
+           hook(-0.16, -1.6, -0.6, high + 1.0_mm), hook(-0.34, -1.9, -1.0, high + 0.6_mm)},
           style),
       1.5_mm);
 }
@@ -123,43 +123,47 @@ void addTransverseProcess(Blend& bone, const VertebraPlan& plan) {
   const bool c7 = n == 7;
   TubeStyle style;
   style.cap = 0.9;
-  const double r = 1.9_mm, foramen = c7 ? 2.0_mm : 2.9_mm;
-  const double hole_y = 0.5 * (width / 2 + side.y()) + (c7 ? 2.0_mm : 1.2_mm);
+  const double r = 1.9_mm, foramen = c7 ? 2.4_mm : 2.9_mm;
+  const double hole_y = 0.5 * (width / 2 + side.y()) + 1.8_mm;
   const Vector3d hole(-0.22 * plan.v.upper_endplate_depth + 1.0_mm, hole_y, 0);
   // Tips: the rear tubercle is the table's, the front one lies nearer.
   const Vector3d rear(hole.x() - (c7 ? 7.0_mm : 5.0_mm), span - 0.95 * 1.3 * r,
-                      c7 ? 0.5_mm : -2.2_mm);
+                      c7 ? -2.0_mm : -3.4_mm);
   const double carotid = n == 6 ? 0.9_mm : 0;  // C6: the carotid tubercle
-  const Vector3d front(hole.x() + 4.2_mm,
-                       std::max(hole.y() + 0.9 * foramen, span - (c7 ? 12.0_mm : 7.5_mm)), -2.0_mm);
+  const Vector3d front(hole.x() + (c7 ? 3.2_mm : 4.2_mm),
+                       std::max(hole.y() + 0.9 * foramen, c7 ? 0 : span - 7.5_mm), -2.0_mm);
   // A gutter's floor, through which the artery passes, and its two banks.
   const double out = hole.y() + foramen + 1.4_mm;
   style.squareness = 2.4;
   bone.unitePair(
-      rod({{{hole.x() + 0.5_mm, width / 2 - 2.0_mm, -0.5_mm}, 4.4_mm, 2.4_mm},
-           {{hole.x() + 0.2_mm, hole.y(), -1.4_mm}, foramen + 2.0_mm, 2.1_mm},
-           {{hole.x() - 1.6_mm, out, -2.2_mm}, foramen + 0.3_mm, 1.9_mm},
-           {0.3 * Vector3d(hole.x() - 1.6_mm, out, -2.2_mm) + 0.7 * rear, 1.8_mm, 1.9_mm}},
+      rod({{{hole.x() + 0.5_mm, width / 2 - 2.0_mm, -0.8_mm}, 4.2_mm, 2.0_mm},
+           {{hole.x() + 0.2_mm, hole.y(), -2.0_mm}, foramen + 2.0_mm, 2.1_mm},
+           {{hole.x() - 1.6_mm, out, -3.2_mm}, foramen + 0.3_mm, 1.9_mm},
+           {0.3 * Vector3d(hole.x() - 1.6_mm, out, -3.2_mm) + 0.7 * rear, 1.8_mm, 1.9_mm}},
           style),
       2.0_mm);
   style.squareness = 2;
-  bone.unitePair(rod({{side + pointMm(3, -2, -1), 3.5_mm, 3.0_mm},
-                      {hole + pointMm(-4.2, 2.2, -1.6), 3.0_mm, 2.2_mm}},
+  bone.unitePair(rod({{side + pointMm(3, 1, -2.6), 2.6_mm, 1.8_mm},
+                      {hole + pointMm(-4.0, 3.0, -2.4), 2.6_mm, 1.8_mm},
+                      {0.4 * hole + 0.6 * rear, 2.6_mm, 1.8_mm}},
                      style),
                  2.0_mm);
   bone.unitePair(rod({{{hole.x() + 3.4_mm, width / 2 - 1.0_mm, 0.2_mm}, 1.9_mm, 2.5_mm},
-                      {{hole.x() + 4.0_mm, hole.y(), -0.6_mm}, 1.7_mm, 2.3_mm},
+                      {{hole.x() + 4.0_mm, hole.y(), -1.4_mm}, 1.7_mm, 2.3_mm},
                       {front, r + carotid, 1.3 * r + carotid}},
                      style),
                  2.0_mm);
-  bone.unitePair(rod({{side + pointMm(2, 1, 0), 2.8_mm, 3.4_mm},
-                      {0.5 * (side + rear) + pointMm(1.0, 0, 0), 2.2_mm, 2.8_mm},
+  bone.unitePair(rod({{side + pointMm(2, 1, -2.5), 2.8_mm, 2.8_mm},
+                      {0.5 * (side + rear) + pointMm(1.0, 0, -1.5), 2.2_mm, 2.4_mm},
                       {rear, 1.3 * r, 1.4 * r}},
                      style),
                  2.5_mm);
+  if (c7) {  // its long process is one plate behind the foramen
+    bone.unitePair(ellipsoidSolid(0.35 * (side + rear) + 0.3 * hole, pointMm(3.4, 3.4, 2)), 2.0_mm);
+  }
   // Groove of the spinal nerve.
-  bone.carvePair(capsule({side.x() + 4.0_mm, side.y() - 2.0_mm, 3.6_mm},
-                         {hole.x() - 0.5_mm, span + 2.0_mm, 1.2_mm}, 2.0_mm),
+  bone.carvePair(capsule({hole.x() - 3.0_mm, hole.y() + 1.0_mm, 2.8_mm},
+                         {hole.x() - 0.5_mm, span + 2.0_mm, 0.6_mm}, 2.0_mm),
                  1.0_mm);
   bone.carvePair(capsule(hole + pointMm(-1.5, 0, 30), hole + pointMm(1.5, 0, -30), foramen),
                  0.8_mm);
@@ -177,6 +181,7 @@ void addCervicalArch(Blend& bone, const VertebraPlan& plan) {
     addTransverseProcess(bone, plan);
     addFace(bone, plan.superior, 3.0_mm, 0.5_mm);
     clearFace(bone, plan.superior);
+    outlineFace(bone, plan.superior);
   }
   addFace(bone, plan.inferior, 3.0_mm, 0.5_mm);
   clearFace(bone, plan.inferior);

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 // Where the laminae meet, in the middle of their thickness. They hang lower than the pedicles.
 Vector3d laminaMiddle(const VertebraPlan& plan) {
-  return {plan.canal_end - 3.0_mm, 0, -0.5 * plan.half_height};
+  return {plan.canal_end - 3.6_mm, 0, -0.5 * plan.half_height};
 }
 
 void addLaminae(Blend& bone, const VertebraPlan& plan) {
@@ -27,10 +27,10 @@ void addLaminae(Blend& bone, const VertebraPlan& plan) {
   const Vector3d pars(end.x() - 2.5_mm, y + 2.5_mm, end.z() - 5.0_mm);
   const Vector3d half(0.45 * middle.x() + 0.55 * pars.x(), 0.62 * y + 1.0_mm,
                       0.6 * middle.z() + 0.4 * pars.z());
-  bone.unitePair(rod({{end + pointMm(-0.5, 0.5, -1), 4.5_mm, 6.5_mm},
-                      {pars, 3.6_mm, 7.0_mm},
-                      {half, 3.0_mm, 8.6_mm},
-                      {middle, 3.4_mm, 9.0_mm}},
+  bone.unitePair(rod({{end + pointMm(-0.5, 0.5, -1), 5.2_mm, 7.0_mm},
+                      {pars, 4.4_mm, 7.5_mm},
+                      {half, 3.7_mm, 9.2_mm},
+                      {middle, 4.0_mm, 9.6_mm}},
                      style),
                  3.5_mm);
 }
@@ -72,7 +72,7 @@ void addSpinousProcess(Blend& bone, const VertebraPlan& plan) {
   const auto thickness = [=](const Vector2d& p) {
     const double s = std::clamp((start.x() - p.x()) / length, 0.0, 1.2);
     const double low = std::clamp(-p.y() / 10.0_mm, 0.0, 1.0);
-    return 5.0_mm + 3.2_mm * std::pow(1 - std::min(s, 1.0), 2) +
+    return 7.8_mm + 3.6_mm * std::pow(1 - std::min(s, 1.0), 2) +
            2.6_mm * std::pow(std::clamp((s - 0.5) / 0.5, 0.0, 1.2), 2) + 1.4_mm * low * s;
   };
   bone.unite(outlinePlate(X, outline, thickness, 3.5_mm), 5.0_mm);
@@ -88,9 +88,9 @@ void addArticularProcesses(Blend& bone, const VertebraPlan& plan) {
                       std::max(0.5 * (end.y() + s.behind(5.0_mm).y()), plan.canal_half + 4.0_mm),
                       end.z() - 4.0_mm);
   style.up = s.frame.linear().col(2);
-  bone.unitePair(rod({{root, 5.5_mm, 4.5_mm},
-                      {0.5 * (root + s.at(0, 0, -4.2_mm)), 0.5 * s.width, 3.8_mm},
-                      {s.at(-0.5_mm, 0.26 * s.height, -3.4_mm), 0.40 * s.width, 3.0_mm}},
+  bone.unitePair(rod({{root, 6.0_mm, 5.2_mm},
+                      {0.5 * (root + s.at(0, 0, -4.2_mm)), 0.52 * s.width, 4.6_mm},
+                      {s.at(-0.5_mm, 0.26 * s.height, -4.2_mm), 0.42 * s.width, 3.6_mm}},
                      style),
                  4.0_mm);
   // Inferior: a tongue that hangs from the lamina.
@@ -104,11 +104,11 @@ void addArticularProcesses(Blend& bone, const VertebraPlan& plan) {
                       {i.at(0, -0.30 * i.height, -2.9_mm), 0.36 * i.width, 2.6_mm}},
                      style),
                  3.5_mm);
-  addFace(bone, s, 4.5_mm, 2.5_mm);
-  addFace(bone, i, 4.0_mm, 2.5_mm);
+  addFace(bone, s, 5.5_mm, 2.5_mm);
+  addFace(bone, i, 5.0_mm, 2.5_mm);
   // Mammillary process: on the rear outer edge of the superior one.
   const Vector3d knob = s.at(-0.46 * s.width, 0.02 * s.height, -4.2_mm);
-  bone.unitePair(ellipsoidSolid(knob, pointMm(3.4, 3.2, 5.2)), 2.5_mm);
+  bone.unitePair(ellipsoidSolid(knob, pointMm(3.9, 3.7, 5.8)), 2.5_mm);
 }
 
 // Costal process: a long slender blade; on L5 a short massive cone from the whole pedicle.
@@ -135,9 +135,9 @@ void addTransverseProcess(Blend& bone, const VertebraPlan& plan) {
                    5.0_mm);
   } else {
     bone.unitePair(rod({{root, 4.2_mm, 6.5_mm},
-                        {between(0.25, -1.6, -0.5), 3.0_mm, 4.4_mm},
-                        {between(0.55, -1.6, -0.4), 2.4_mm, 4.6_mm},
-                        {between(0.85, -0.6, 0), 2.2_mm, 4.8_mm},
+                        {between(0.25, -1.6, -0.5), 3.4_mm, 4.9_mm},
+                        {between(0.55, -1.6, -0.4), 2.8_mm, 5.0_mm},
+                        {between(0.85, -0.6, 0), 2.5_mm, 5.0_mm},
                         {tip, tip_side, tip_up}},
                        style),
                    4.0_mm);
@@ -155,6 +155,7 @@ void addLumbarArch(Blend& bone, const VertebraPlan& plan) {
   addTransverseProcess(bone, plan);
   addArticularProcesses(bone, plan);
   clearFace(bone, plan.superior);
+  outlineFace(bone, plan.superior);
   clearFace(bone, plan.inferior);
 }
 

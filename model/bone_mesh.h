@@ -1,7 +1,7 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Surfaces of the bones, made from the tables. A bone is a union of closed shells that overlap.
+// Surfaces of the bones, made from the tables. A bone is a union of closed shells.
 // What the tables do not give (outlines of flat bones, girths of shafts, ...) is assumed after
 // general anatomy and scaled to the tables' landmarks.
 

@@ -151,6 +151,7 @@ void addSuperiorProcesses(Blend& bone, const Anatomy& anatomy) {
                    4.0_mm);
     addFace(bone, face, 5.0_mm, 3.0_mm);
     clearFace(bone, face);
+    outlineFace(bone, face);
   }
 }
 

@@ -14,7 +14,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 Vector3d laminaMiddle(const VertebraPlan& plan) {
-  return {plan.canal_end - 2.6_mm, 0, -0.42 * plan.half_height};
+  return {plan.canal_end - 3.1_mm, 0, -0.42 * plan.half_height};
 }
 
 // Broad plates that cover each other from level to level like tiles.
@@ -28,9 +28,9 @@ void addLaminae(Blend& bone, const VertebraPlan& plan) {
   const Vector3d half(0.5 * middle.x() + 0.5 * side.x() - 0.8_mm, 0.66 * y + 1.0_mm,
                       0.6 * middle.z() + 0.4 * side.z());
   bone.unitePair(rod({{end + pointMm(0, 0.5, -0.5), 3.6_mm, 0.55 * plan.v.pedicle_height},
-                      {side, 3.0_mm, 0.75 * tall},
-                      {half, 2.5_mm, tall},
-                      {middle, 2.8_mm, tall}},
+                      {side, 3.4_mm, 0.78 * tall},
+                      {half, 3.0_mm, tall},
+                      {middle, 3.3_mm, tall}},
                      style),
                  3.0_mm);
 }
@@ -116,7 +116,7 @@ void addTransverseProcess(Blend& bone, const VertebraPlan& plan) {
   const Vector3d tip(p.x() - 0.9 * r, span - 0.92 * r, p.z());
   const Vector3d along = (tip - root).normalized();
   bone.unitePair(rod({{root, 4.4_mm, 5.2_mm},
-                      {0.5 * (root + tip), 3.3_mm, 4.3_mm},
+                      {0.5 * (root + tip), 3.7_mm, 4.7_mm},
                       {tip - 2.5_mm * along, 0.88 * r, 1.05 * r},
                       {tip, 0.9 * r, 1.1 * r}},
                      style),
@@ -132,14 +132,18 @@ void addTransverseProcess(Blend& bone, const VertebraPlan& plan) {
 // Half a socket at the body's upper edge for the rib of its own level, and half a one below for
 // the next rib.
 void carveCostalFacets(Blend& bone, const VertebraPlan& plan) {
-  constexpr double kRibHead = 6.5_mm;
+  constexpr double kRibHead = 5.0_mm;
   const auto socket = [&](const Vector3d& joint) {
-    const Vector3d outward = Vector3d(joint.x(), joint.y(), 0).normalized();
+    // The table's joint of T1 lies in the pedicle; the socket, on it.
+    const double pedicle = plan.canal_half + plan.v.pedicle_width;
+    const bool on_pedicle = joint.y() < pedicle - 4.0_mm;
+    const Vector3d centre(joint.x(), on_pedicle ? pedicle - 1.5_mm : joint.y(), joint.z());
     // A low mound between the body's corner and the pedicle carries it.
     const double z = std::clamp(joint.z(), 4.0_mm - plan.half_height, plan.half_height - 4.0_mm);
     const Vector3d corner(0.5 * (joint.x() + plan.back) + 2.0_mm, 0.62 * joint.y(), z);
-    bone.unitePair(ellipsoidSolid(corner, pointMm(4.5, 4.0, 3.8)), 3.0_mm);
-    bone.carvePair(ellipsoidSolid(joint + 1.5_mm * outward, Vector3d::Constant(kRibHead)), 0.8_mm);
+    if (!on_pedicle) bone.unitePair(ellipsoidSolid(corner, pointMm(4.5, 4.0, 3.8)), 3.0_mm);
+    const Vector3d out = Vector3d(0.35, 0.94, 0).normalized();
+    bone.carvePair(ellipsoidSolid(centre + 4.2_mm * out, Vector3d::Constant(kRibHead)), 0.8_mm);
   };
   if (const CostalJoint* own = plan.costalJoint(plan.v.name, false)) socket(own->position);
   const std::string below = plan.levelBelow();
@@ -158,6 +162,7 @@ void addThoracicArch(Blend& bone, const VertebraPlan& plan) {
   addTransverseProcess(bone, plan);
   addArticularProcesses(bone, plan);
   clearFace(bone, plan.superior);
+  outlineFace(bone, plan.superior);
   clearFace(bone, plan.inferior);
   carveCostalFacets(bone, plan);
 }

@@ -180,8 +180,9 @@ Solid drum(const Endplate& below, const Endplate& above, const DrumStyle& style)
 Solid vertebralBody(const VertebraPlan& plan) {
   const Vertebra& v = plan.v;
   DrumStyle style;
-  style.waist = plan.cervical() ? 0.07 : plan.thoracic() ? 0.12 : 0.14;
-  style.hollow = plan.cervical() ? 0.3_mm : 0.8_mm;
+  style.waist = plan.cervical() ? 0.02 : plan.thoracic() ? 0.06 : 0.05;
+  // Round before the thorax' round canal, kidney-shaped in the loins, flat in the neck.
+  style.hollow = plan.cervical() || v.name == "T1" || v.name == "T2" ? 0.3_mm : 0.8_mm;
   style.heart = plan.thoracic();
   return drum({plan.endplate(false), v.lower_endplate_width, v.lower_endplate_depth},
               {plan.endplate(true), v.upper_endplate_width, v.upper_endplate_depth}, style);
@@ -190,19 +191,31 @@ Solid vertebralBody(const VertebraPlan& plan) {
 void addPedicles(Blend& bone, const VertebraPlan& plan) {
   const Vertebra& v = plan.v;
   const Vector3d end = plan.pedicle_end;
-  const double half = v.pedicle_width / 2, up = v.pedicle_height / 2;
+  const double half = v.pedicle_width / 2, height = plan.cervical() || v.name == "L5" ? 0.88 : 0.98;
+  const double up = height * v.pedicle_height / 2;
+  TubeStyle style;
+  style.cap = 0.5;
+  style.squareness = 2.2;
+  if (plan.cervical()) {
+    // Obliquely outwards from the body's rear corner; narrowest just behind it.
+    const Vector3d middle(plan.back - 1.0_mm, plan.canal_half + half, end.z());
+    const Vector3d along(-std::cos(v.pedicle_inclination), std::sin(v.pedicle_inclination), 0);
+    bone.unitePair(rod({{middle - 7.0_mm * along, 1.1 * half, up},
+                        {middle, 0.85 * half, up},
+                        {middle + 5.0_mm * along, 1.1 * half, up}},
+                       style),
+                   2.0_mm);
+    return;
+  }
   // Inside the body it starts closer to the mid-line, by the inclination.
   const double inside = std::min(-0.45 * plan.back, 8.0_mm);
   Vector3d start = end, edge = end;
   start.x() = plan.back + inside;
   start.y() -= std::tan(std::max(v.pedicle_inclination, 0.0)) * inside;
   edge.x() = plan.back;
-  TubeStyle style;
-  style.cap = 0.5;
-  style.squareness = 2.2;
   bone.unitePair(
-      rod({{start, 0.7 * half, 0.9 * up}, {edge, half, up}, {end, 1.05 * half, 0.95 * up}}, style),
-      plan.cervical() ? 2.0_mm : 3.0_mm);
+      rod({{start, 0.7 * half, 0.9 * up}, {edge, half, up}, {end, 1.08 * half, up}}, style),
+      plan.thoracic() ? 2.0_mm : 3.0_mm);
 }
 
 void carveCanal(Blend& bone, const VertebraPlan& plan) {
@@ -222,6 +235,20 @@ void clearFace(Blend& bone, const VertebraPlan::Face& face) {
   Isometry3d X = face.frame;
   X.translate(Vector3d(0, 0, kClear));
   bone.carvePair(facePlate(X, face.width + 1.0_mm, face.height + 1.0_mm, kClear, 0), 0.4_mm);
+}
+
+void outlineFace(Blend& bone, const VertebraPlan::Face& face) {
+  constexpr double kClear = 6.0_mm, kStep = 0.9_mm, kMargin = 3.0_mm;
+  Isometry3d X = face.frame;
+  X.translate(Vector3d(0, 0, kClear));
+  const Solid around =
+      facePlate(X, face.width + 2 * kMargin, face.height + 2 * kMargin, kClear + kStep, 0);
+  const Solid kept = facePlate(X, face.width, face.height, 2 * kClear, 0);
+  bone.carvePair({around.box,
+                  [around, kept](const Vector3d& p) {
+                    return std::max(around.distance(p), -kept.distance(p));
+                  }},
+                 1.0_mm);
 }
 
 Isometry3d facetFrame(const Anatomy& anatomy, const ArticularFacet& facet) {

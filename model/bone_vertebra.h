@@ -77,5 +77,7 @@ void carveCanal(Blend& bone, const VertebraPlan& plan);
 void addFace(Blend& bone, const VertebraPlan::Face& face, double depth, double fillet);
 // Takes away what fillets have put before a face.
 void clearFace(Blend& bone, const VertebraPlan::Face& face);
+// Sets a face off from the bone around it by a step, so that it has its own size.
+void outlineFace(Blend& bone, const VertebraPlan::Face& face);
 
 }  // namespace torso

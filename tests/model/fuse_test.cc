@@ -9,6 +9,7 @@
 #include "model/disc.h"
 #include "model/loft.h"
 #include "model/simplify.h"
+#include "model/solid.h"
 
 namespace torso {
 namespace {
@@ -80,6 +81,57 @@ TEST(Fuse, SimplifiedBallStaysABall) {
   for (const Vector3d& v : coarse.vertices) {
     EXPECT_NEAR((v - Vector3d(0.1, 0.2, 0.3)).norm(), 0.05, 1e-3);
   }
+}
+
+TEST(Solid, BallsHaveTheVolumeOfTheirUnionAndDifference) {
+  const auto solid = [](double y) {
+    return ellipsoidSolid(Vector3d(0, y, 0), Vector3d::Constant(0.01));
+  };
+  Blend both, rest;
+  both.unitePair(solid(0.006), 0);
+  rest.unite(solid(0), 0);
+  rest.carve(solid(0.012), 0);
+  const double lens = lensVolume(0.01, 0.012);
+  const TriMesh united = surface(both, 0.6e-3, 3000, true);
+  const TriMesh carved = surface(rest, 0.6e-3, 3000, false);
+  expectClosed(united);
+  expectClosed(carved);
+  EXPECT_NEAR(volume(united), 2 * ballVolume(0.01) - lens, 0.02 * ballVolume(0.01));
+  EXPECT_NEAR(volume(carved), ballVolume(0.01) - lens, 0.02 * ballVolume(0.01));
+}
+
+TEST(Solid, OnlyTheLargestPartIsKept) {
+  Blend blend;
+  blend.unite(ellipsoidSolid(Vector3d::Zero(), Vector3d::Constant(0.01)), 0);
+  blend.unite(ellipsoidSolid(Vector3d(0, 0, 0.02), Vector3d::Constant(0.004)), 0);
+  const TriMesh mesh = surface(blend, 0.6e-3, 3000, true);
+  EXPECT_EQ(connectedParts(mesh).size(), 1u);
+  EXPECT_NEAR(volume(mesh), ballVolume(0.01), 0.02 * ballVolume(0.01));
+}
+
+TEST(Solid, DistanceIsTheEuclideanOneNearTheSurface) {
+  TubeStyle style;
+  style.up = Vector3d::UnitX();
+  const Solid bar =
+      rod({{Vector3d(0, 0, 0), 0.004, 0.008}, {Vector3d(0, 0, 0.1), 0.004, 0.008}}, style);
+  const Solid plate = facePlate(Eigen::Isometry3d::Identity(), 0.02, 0.03, 0.005, 0);
+  for (double off : {-1e-3, 0.0, 1e-3}) {
+    EXPECT_NEAR(bar.distance(Vector3d(0.008 + off, 0, 0.05)), off, 1e-4);
+    EXPECT_NEAR(bar.distance(Vector3d(0, 0.004 + off, 0.05)), off, 1e-4);
+    EXPECT_NEAR(plate.distance(Vector3d(0.003, 0.002, off)), off, 1e-9);
+    EXPECT_NEAR(plate.distance(Vector3d(0.01 + off, 0, -0.002)), off, 1e-4);
+    EXPECT_NEAR(plate.distance(Vector3d(0, 0.015 + off, -0.002)), off, 1e-4);
+  }
+}
+
+TEST(Solid, OutlinePlateHasTheVolumeOfItsAreaTimesThickness) {
+  Blend blend;
+  blend.unite(outlinePlate(
+                  Eigen::Isometry3d::Identity(), {{0, 0}, {0.03, 0}, {0.03, 0.02}, {0, 0.02}},
+                  [](const Vector2d&) { return 0.006; }, 0),
+              0);
+  const double expected = 0.03 * 0.02 * 0.006;
+  EXPECT_NEAR(volume(surface(blend, 0.5e-3, 4000, true)), expected, 0.04 * expected);
 }
 
 TEST(Loft, StraightTubeHasTheVolumeOfACylinder) {
