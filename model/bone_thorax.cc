@@ -66,7 +66,7 @@ class RibCage {
     // Left half of the outline from the tip up: xiphoid, body, manubrium with the notches for the
     // ribs and the clavicle.
     const std::vector<Vector2d> left = {
-        {2.5, 0.5},  {4.5, 5},    {6, 14},     {7.5, 21},   {10, 24.5},  {14, 29},    {16.3, 34},
+        {2.5, 0.5},  {4.5, 5},    {6, 14},     {7.5, 21},   {10, 24.5},  {13.5, 29},  {16.3, 34},
         {16.8, 38},  {19.5, 43},  {19.2, 50},  {19.8, 54},  {19.5, 61},  {17.8, 69},  {18, 73},
         {17.2, 82},  {15.8, 91},  {16.2, 95},  {15.5, 104}, {16.3, 111}, {16.6, 116}, {17.8, 120},
         {20, 126},   {25, 133},   {28.5, 138}, {29.5, 145}, {27.5, 150}, {24, 153.5}, {21, 158.5},
@@ -119,13 +119,14 @@ class RibCage {
         for (std::size_t k = 0; k < line.size(); k++) {
           const double t = k / (line.size() - 1.0);
           const double narrow = i == 0 ? 5.5e-3 : i < kTrueRibs ? 4.6e-3 : 3.6e-3;
-          points.push_back({line[k], (1 - t) * end.height * 0.98 + t * narrow,
-                            (1 - t) * end.thickness * 0.98 + t * 3.4e-3});
+          // It starts within the rib's end, which is a little wider.
+          points.push_back({line[k], (1 - t) * 0.88 * end.height + t * narrow,
+                            (1 - t) * 0.88 * end.thickness + t * 3.4e-3});
         }
       } else {
         const Vector3d from = ribs_.point(i, 1), heading = ribs_.heading(i, 0.99);
-        points = {{from, end.height * 0.95, end.thickness * 0.95},
-                  {from + 4_mm * heading, 0.8 * end.height, 0.8 * end.thickness},
+        points = {{from - 1_mm * heading, 0.88 * end.height, 0.88 * end.thickness},
+                  {from + 4_mm * heading, 0.75 * end.height, 0.75 * end.thickness},
                   {from + 9_mm * heading, 0.4 * end.height, 0.4 * end.thickness}};
       }
       // The section's "up" is its thickness, out of the thorax.

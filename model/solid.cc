@@ -30,14 +30,15 @@ double sectionDistance(double s, double u, double side, double up, double expone
   s = std::abs(s) / side;
   u = std::abs(u) / up;
   if (exponent == 2) {
-    const double k0 = std::hypot(s, u), k1 = std::hypot(s / side, u / up);
+    const double k0 = std::sqrt(s * s + u * u),
+                 k1 = std::sqrt(s * s / (side * side) + u * u / (up * up));
     return k1 > 0 ? k0 * (k0 - 1) / k1 : -std::min(side, up);
   }
   const double ps = std::pow(s, exponent - 1), pu = std::pow(u, exponent - 1);
   const double sum = ps * s + pu * u;
   if (sum < 1e-12) return -std::min(side, up);
   const double k0 = std::pow(sum, 1 / exponent);
-  const double k1 = k0 / sum * std::hypot(ps / side, pu / up);
+  const double k1 = k0 / sum * std::sqrt(ps * ps / (side * side) + pu * pu / (up * up));
   return (k0 - 1) / k1;
 }
 
@@ -315,7 +316,7 @@ Shape sheetShape(const Sheet& sheet) {
     const double half = sheet.half_thickness(q.x(), q.y(), inset);
     // Rounded edge: the distance to a sheet without thickness, narrower by `half`.
     const double across = std::abs(q.z() - sheet.middle(q.x(), q.y())), out = edge + half;
-    return out > 0 ? std::hypot(across, out) - half : across - half;
+    return out > 0 ? std::sqrt(across * across + out * out) - half : across - half;
   };
   return shape;
 }
