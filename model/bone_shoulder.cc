@@ -54,7 +54,7 @@ class Scapula {
     s.add(acromion(), 5);
     addCoracoid(s);
     constexpr double kSocket = 25.5;  // a little wider than the head of the humerus
-    s.cut(ellipsoidShape(joint_, Vector3d::Constant(kSocket)), 1);
+    s.cut(ellipsoidShape(joint_, Vector3d::Constant(kSocket)), 2);
     TriMesh mesh = s.surface(1.15, 3000, false);
     for (Vector3d& v : mesh.vertices) v = frame_ * Vector3d(scale_ * v);
     return mesh;
@@ -93,9 +93,9 @@ class Scapula {
          {13, 36},
          {5, 18},
          {-0.5, 2},
-         {-3, -15},
-         {-6, -40},
-         {-9, -70},
+         {-4.5, -15},
+         {-8.5, -42},
+         {-11, -72},
          {-11, -94},
          {-10, -102}},
         4);
@@ -103,7 +103,8 @@ class Scapula {
       // Hollow towards the ribs; above the spine the blade leans forward.
       const double across = std::max(0.0, 1 - std::pow((u - 42) / 60, 2));
       const double low = smoothStep(-105, -60, v);
-      return -7.0 * across * (0.35 + 0.65 * low) + 0.30 * std::max(0.0, v - 6) * (1 - u / 140) +
+      return -7.0 * across * (0.35 + 0.65 * low) +
+             0.30 * 6 * std::log1p(std::exp((v - 8) / 6)) * (1 - u / 140) +
              0.0008 * std::pow(std::min(0.0, v + 60), 2);
     };
     sheet.half_thickness = [](double u, double v, double inset) {
@@ -111,7 +112,7 @@ class Scapula {
       // Bar along the lateral border, from the glenoid down.
       const double bar = beside({92, -20}, {6, -98}, u, v);
       t += (1.0 + 2.6 * smoothStep(-100, -30, v)) * std::exp(-std::pow(bar / 6.5, 2));
-      t += 5.0 * smoothStep(72, 96, u) * smoothStep(32, 14, std::abs(v));  // neck
+      t += 4.0 * smoothStep(66, 98, u) * (1 - smoothStep(10, 30, std::abs(v)));  // neck
       return t + 1.2 * std::exp(-std::pow(std::hypot(u + 4, v + 100) / 9, 2));
     };
     sheet.max_height = 20;
@@ -125,8 +126,8 @@ class Scapula {
     Sheet sheet;
     sheet.frame = Isometry3d::Identity();
     sheet.frame.linear() << Vector3d::UnitX(), -Vector3d::UnitZ(), Vector3d::UnitY();
-    sheet.outline = smoothOutline({{86, 2},
-                                   {87, 10},
+    sheet.outline = smoothOutline({{86, 5},
+                                   {87, 11},
                                    {90, 18},
                                    {97, 25},
                                    {108, 30},
@@ -139,10 +140,10 @@ class Scapula {
                                    {30, 16.5},
                                    {14, 9},
                                    {3, 4},
-                                   {1, 0},
-                                   {20, 3},
-                                   {40, 4},
-                                   {64, 3}},
+                                   {1, 1},
+                                   {20, 6},
+                                   {40, 9},
+                                   {64, 9}},
                                   4);
     sheet.middle = [](double u, double h) { return 0.1 * u + 0.18 * h; };
     sheet.half_thickness = [](double u, double h, double inset) {
@@ -191,9 +192,9 @@ class Scapula {
 
   static void addGlenoid(Solid& s) {
     // Neck, and a pear wider below, with the tubercles of biceps and triceps above and below it.
-    s.add(sweepShape({{{72, -2, -1}, 13, 4}, {{85, -1, 0}, 14, 6}, {{95, -1, 0}, 15, 9}},
+    s.add(sweepShape({{{74, -2, -2}, 10, 3}, {{85, -1, -1}, 12, 5}, {{95, -1, 0}, 14, 8.5}},
                      {Vector3d::UnitZ()}),
-          6);
+          10);
     s.add(sweepShape({{{98.5, -7.5, 0}, 6, 12.5}, {{98.5, 3, 0}, 6, 11}, {{98.5, 13, 0}, 5.5, 7.5}},
                      {Vector3d::UnitZ(), 2.3, 5}),
           3);
@@ -231,7 +232,7 @@ TriMesh clavicleMesh(const Anatomy& anatomy) {
       {0.020, 1, 1.5, 8.5, 9.5}, {0.055, 3, 2, 9.2, 10},    {0.12, 6, 2.5, 8, 8.6},
       {0.20, 9, 3, 6.6, 7},      {0.30, 10.5, 3, 6, 6.2},   {0.42, 9, 3, 5.8, 5.8},
       {0.54, 4.5, 3, 6, 5.4},    {0.65, -1, 2.5, 6.8, 5.3}, {0.74, -5.5, 2, 8.2, 5.2},
-      {0.83, -7, 1.8, 9.2, 4.9}, {0.91, -5, 1.2, 9, 4.7},   {0.965, -2, 0.5, 7.4, 4.5}};
+      {0.83, -7, 1.8, 9.2, 4.9}, {0.91, -5, 1.2, 9, 4.7},   {0.982, -1.5, 0.3, 7.2, 4.4}};
   std::vector<Section> sections;
   const double mm = 1e-3 * anatomy.length_scale;
   for (const auto& s : kStations) {

@@ -391,7 +391,12 @@ TriMesh Solid::surface(double voxel, int max_faces, bool symmetric) const {
   for (const Part& part : parts_) {
     if (!part.cut) box.extend(part.shape->box);
   }
-  TriMesh mesh = Grid(*this, box, voxel, symmetric).surface();
+  TriMesh mesh;
+  for (const TriMesh& part : connectedParts(Grid(*this, box, voxel, symmetric).surface())) {
+    AlignedBox3d extent;
+    for (const Vector3d& v : part.vertices) extent.extend(v);
+    if (extent.diagonal().norm() > 5 * voxel) append(mesh, part);  // not a crumb of a fillet
+  }
   relax(*this, voxel, symmetric, mesh);
   if (!symmetric) return simplified(mesh, max_faces);
   return joinedWithMirror(simplified(mesh, max_faces / 2));

@@ -202,8 +202,9 @@ TEST(BoneMesh, IsLight) {
     for (const BonePart& part : parts(body)) total += part.mesh.faces.size();
   }
   for (const Vertebra& v : anatomy().vertebrae) EXPECT_LE(bone(v.name).faces.size(), 1500u);
-  EXPECT_LE(bone("ribcage").faces.size(), 12000u);
-  EXPECT_LE(total, 60000u);
+  EXPECT_LE(bone("ribcage").faces.size(), 16000u);
+  EXPECT_LE(bone("head").faces.size(), 12500u);
+  EXPECT_LE(total, 100000u);
 }
 
 TEST(BoneMesh, TissuesAreThoseOfTheParts) {
