@@ -1,4 +1,5 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
 #include "model/bone_skull.h"
@@ -11,10 +12,15 @@ using Eigen::Isometry3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-Vector3d DentalArch::point(double angle, double root) const {
+Vector3d DentalArch::outwards(double angle) const {
+  return Vector3d(width * std::cos(angle), length * std::sin(angle), 0).normalized();
+}
+
+Vector3d DentalArch::point(double angle, double root, double inset) const {
   const double behind = length * (1 - std::cos(angle));
-  return {front - behind, width * std::sin(angle),
-          edge_front + edge_rise * behind + (upper ? root : -root)};
+  return Vector3d(front - behind, width * std::sin(angle),
+                  edge_front + edge_rise * behind + (upper ? root : -root)) -
+         inset * outwards(angle);
 }
 
 double DentalArch::speed(double angle) const {
@@ -55,23 +61,23 @@ TriMesh teethMesh(const DentalArch& arch) {
     const double neck = incisor ? 3 : canine ? 3.8 : molar ? 5 : 4.2;
     const double edge = incisor ? 0.9 : canine ? 1.1 : molar ? 3.9 : 2.9;
     const double height = incisor ? (arch.upper ? 10.5 : 9) : canine ? 10.5 : molar ? 7 : 8;
-    const double out = incisor || canine ? 0.6 : 0;
+
     // Along the crown: share of its height from the edge, depth, share of its width.
     const double rows[][3] = {{1.7, 0.75 * neck, 0.62},  {1.0, neck, 0.74},
                               {0.62, 1.08 * neck, 0.92}, {0.25, 0.5 * (neck + edge), 0.985},
                               {0.05, edge, 0.96},        {-0.02, 0.6 * edge, canine ? 0.4 : 0.8}};
-    const Vector3d along(-arch.length * std::sin(angle), arch.width * std::cos(angle), 0);
-    const Vector3d a = along.normalized(), outwards(a.y(), -a.x(), 0);
+    const Vector3d outwards = arch.outwards(angle), along(-outwards.y(), outwards.x(), 0);
     std::vector<Ring> rings;
     for (const auto& row : rows) {
       Ring ring;
+      const double inset = 0.9 * row[1] + std::max(0.0, row[0] - 0.4);  // roots lie further in
       for (int k = 0; k < kSides; k++) {
         const double turn = 2 * EIGEN_PI * (k + 0.5) / kSides;
         const auto boxy = [](double x) { return std::copysign(std::pow(std::abs(x), 0.75), x); };
-        const double inwards = row[1] * 0.8 - out * (1 - row[0]);
-        ring.push_back(arch.point(angle, row[0] * height) + (2.4 - inwards) * outwards * 0.5 -
-                       2 * outwards + row[1] * boxy(std::sin(turn)) * outwards +
-                       row[2] * half * boxy(std::cos(turn)) * a);
+
+        ring.push_back(arch.point(angle, row[0] * height, inset) +
+                       row[1] * boxy(std::sin(turn)) * outwards +
+                       row[2] * half * boxy(std::cos(turn)) * along);
       }
       rings.push_back(ring);
     }
@@ -102,8 +108,7 @@ TriMesh mandibleMesh() {
   // Bone of the teeth's roots.
   std::vector<SweepPoint> ridge;
   for (int k = -6; k <= 6; k++) {
-    ridge.push_back(
-        {lowerArch().point(k / 6.0 * lowerArch().lastAngle(), 14) - Vector3d(3, 0, 0), 4.6, 5.5});
+    ridge.push_back({lowerArch().point(k / 6.0 * lowerArch().lastAngle(), 14, 4), 4.6, 5.5});
   }
   s.add(sweepShape(ridge, {Vector3d::UnitZ(), 2.4, 2}), 5);
   // Ramus: a plate with the neck of the joint's head, the notch and the coronoid process above, and
@@ -140,11 +145,11 @@ TriMesh mandibleMesh() {
   };
   ramus.max_height = 60;
   ramus.max_half_thickness = 5;
-  s.addPair(sheetShape(ramus), 5);
+  s.addPair(sheetShape(ramus), 8);
   s.addPair(ellipsoidShape({10.5, 51, -6.8}, {4.2, 9.5, 5},
                            Eigen::AngleAxisd(-0.2, Vector3d::UnitZ()).toRotationMatrix()),
             4);
-  s.addPair(sweepShape({{{11, 51, -9}, 3.6, 4}, {{10.5, 50, -22}, 3, 3.5}}), 4);
+  s.addPair(sweepShape({{{11.5, 51, -9}, 3.2, 3.6}, {{12, 50, -20}, 2.4, 2.6}}), 6);
   // Oblique line, chin.
   s.addPair(
       sweepShape({{{41, 46, -38}, 2.4, 3}, {{48, 43.5, -55}, 2.2, 3}, {{60, 35, -67}, 1.5, 2}}), 5);
@@ -152,7 +157,7 @@ TriMesh mandibleMesh() {
   s.addPair(ellipsoidShape({83, 11, -92}, {5, 6, 3.5}), 6);
   s.cutPair(ellipsoidShape({70, 33.5, -76}, {2.2, 4, 1.6}), 1.5);  // mental foramen
   s.cutPair(ellipsoidShape({30, 40.3, -58}, {9, 3.2, 9}), 4);      // inside of the angle
-  return s.surface(1.2, 2000, true);
+  return s.surface(1.2, 2300, true);
 }
 
 }  // namespace torso

@@ -33,7 +33,7 @@ Shape below(double height, double slope_x) {
 void addVault(Solid& s) {
   s.add(ellipsoidShape({-3, 0, 54}, {86, 65, 71}), 0);
   s.add(ellipsoidShape({-22, 0, 57}, {60, 70.5, 60}), 14);      // parietal bones
-  s.add(ellipsoidShape({34, 0, 60}, {50, 55, 53}), 14);         // frontal
+  s.add(ellipsoidShape({34, 0, 61}, {52, 55, 52}), 14);         // frontal
   s.add(ellipsoidShape({-45, 0, 26}, {42, 52, 46}), 14);        // occipital
   s.addPair(ellipsoidShape({20, 26, 16}, {34, 27.5, 28}), 12);  // poles of the temporal lobes
   s.cut(below(-14.5, 0.13), 12);                                // base
@@ -83,21 +83,21 @@ void addBase(Solid& s, const Vector3d& condyle) {
   // Joint of the jaw: hollow and eminence; ear hole.
   s.addPair(sweepShape({{{22, 44, -3}, 6, 4.5}, {{21, 58, -3}, 5, 4}}), 6);
   s.cutPair(ellipsoidShape({10.5, 51, -7}, {7, 12, 8.2}, turned(0, 0, -0.2)), 4);
-  s.cutPair(sweepShape({{{-1.5, 72, -4.5}, 3.6, 4.2}, {{-1, 46, -4}, 2.8, 3.2}}), 2.5);
+  s.cutPair(sweepShape({{{-1.5, 72, -5}, 4.2, 5}, {{-1, 46, -4.5}, 3, 3.4}}), 2.5);
 }
 
 void addFace(Solid& s) {
   s.add(ellipsoidShape({63, 0, 14}, {24, 15, 26}), 8);        // between the orbits
-  s.addPair(ellipsoidShape({66, 17, -16}, {20, 19, 24}), 8);  // upper jaw
+  s.addPair(ellipsoidShape({66, 18, -16}, {20, 21, 24}), 8);  // upper jaw
   s.addPair(ellipsoidShape({48, 24, -26}, {14, 10, 12}), 8);  // tuberosity
   // Brow, from the glabella to the cheek bone.
-  s.addPair(sweepShape({{{87, 5, 37}, 6.5, 7},
-                        {{87, 18, 40.5}, 5.5, 6},
-                        {{81.5, 33, 41}, 4.5, 5.5},
-                        {{74, 44, 36.5}, 4, 5},
+  s.addPair(sweepShape({{{85.5, 5, 37}, 6.5, 7},
+                        {{85.5, 18, 40}, 5.2, 6},
+                        {{80.5, 33, 40.5}, 4.3, 5.5},
+                        {{73.5, 44, 36.5}, 4, 5},
                         {{69.5, 48.5, 29}, 3.6, 4.5}}),
-            11);
-  s.add(ellipsoidShape({87, 0, 33}, {6.5, 9, 9}), 8);  // glabella
+            15);
+  s.add(ellipsoidShape({86.5, 0, 33}, {6, 9, 9}), 8);  // glabella
   // Cheek bone: side of the orbit, body, and its way down to the upper jaw.
   s.addPair(sweepShape({{{69, 48.8, 30}, 3.2, 4},
                         {{64.5, 50, 18}, 3.2, 4.5},
@@ -108,10 +108,10 @@ void addFace(Solid& s) {
                         {{84, 21, -4}, 4, 5}},
                        {Vector3d(1, 0.75, 0)}),
             6);
-  s.addPair(sweepShape({{{66, 48, -8}, 6, 5},
-                        {{65, 46.5, -18}, 5, 5},
-                        {{63, 42, -28}, 5, 5},
-                        {{62, 33, -36}, 5, 5}},
+  s.addPair(sweepShape({{{67, 46.5, -9}, 6, 5},
+                        {{66.5, 42.5, -18}, 6, 5},
+                        {{66, 36.5, -26}, 6, 5},
+                        {{65, 30, -34}, 6, 5}},
                        {Vector3d(1, 0.5, 0)}),
             6);
   // Side wall of the orbit, which is the great wing of the sphenoid bone.
@@ -126,12 +126,12 @@ void addFace(Solid& s) {
                         {{-6, 59, 4}, 3, 3}}),
             4);
   // Nasal bones, and beside them the upper jaw's way up to the brow.
-  s.addPair(sweepShape({{{86, 3, 29}, 4, 4}, {{89.5, 3.4, 19}, 3, 4}, {{95, 3.6, 6}, 2.8, 3.4}},
-                       {Vector3d::UnitX()}),
-            4);
-  s.addPair(sweepShape({{{83, 9.5, 27}, 3, 6},
-                        {{85.5, 11, 12}, 2.7, 6},
-                        {{87, 14.5, -3}, 2.7, 5},
+  s.add(sweepShape({{{86, 0, 29}, 6, 4.5}, {{89.5, 0, 19}, 5.6, 3.6}, {{94.5, 0, 7}, 7, 3}},
+                   {Vector3d::UnitX()}),
+        4);
+  s.addPair(sweepShape({{{83, 8.5, 27}, 3.4, 6},
+                        {{86, 9.8, 12}, 3.4, 6},
+                        {{87, 13.5, -3}, 3.2, 5},
                         {{87, 17, -16}, 3.2, 5},
                         {{88, 12, -27}, 4, 5}},
                        {Vector3d(1, -0.4, 0)}),
@@ -142,8 +142,8 @@ void addFace(Solid& s) {
   std::vector<SweepPoint> ridge, floor;
   for (int k = -6; k <= 6; k++) {
     const double angle = k / 6.0 * arch.lastAngle();
-    ridge.push_back({arch.point(angle, 14) - Vector3d(3, 0, 0), 5.2, 5});
-    floor.push_back({arch.point(angle, 23) - Vector3d(4.5, 0, 0), 6, 7});
+    ridge.push_back({arch.point(angle, 14, 4.4), 5, 5.5});
+    floor.push_back({arch.point(angle, 23, 6), 6, 7});
   }
   s.add(sweepShape(ridge, {Vector3d::UnitZ(), 2.4, 2}), 4);
   s.add(sweepShape(floor, {Vector3d::UnitZ(), 2, 2}), 5);
@@ -153,21 +153,22 @@ void cutFace(Solid& s) {
   // Orbits: four-sided pyramids, wider and drooping to the side, their axes 22 degrees apart from
   // the mid-line.
   s.cutPair(sweepShape({{{41, 13.5, 19}, 2.5, 2.5},
-                        {{50, 16.5, 19}, 8, 8},
-                        {{60, 20.5, 18.5}, 13.5, 13},
-                        {{70, 25, 18}, 17.5, 16.3},
-                        {{79, 28.8, 17.5}, 19, 17},
-                        {{100, 38, 16}, 22, 17}},
+                        {{50, 17.5, 19}, 7.5, 8},
+                        {{60, 22.5, 18.5}, 12.5, 13},
+                        {{70, 27, 18}, 16.3, 16.3},
+                        {{79, 30.3, 17.5}, 18.6, 17},
+                        {{100, 39, 16}, 21, 17}},
                        {Vector3d(0, 0.17, 1), 2.5, 4}),
             4);
-  s.cutPair(sweepShape({{{44, 20, 6}, 1.5, 2}, {{58, 27, 3}, 1.5, 2}}), 2);  // lower fissure
+  s.cutPair(ellipsoidShape({40, 12.5, 21}, {5, 2.6, 2.6}), 1.5);                   // optic canal
+  s.cutPair(sweepShape({{{43, 15, 14}, 1.6, 2.5}, {{47, 22, 20}, 1.4, 2}}), 1.5);  // upper fissure
   // Nose: a pear.
   s.cutPair(ellipsoidShape({86, 6, -15}, {30, 6, 9.5}), 2.5);
   s.cut(ellipsoidShape({90, 0, -4}, {26, 6.5, 12.5}), 3);
-  s.add(sweepShape({{{70, 0, -6}, 1.1, 20}, {{82, 0, -8}, 0.9, 16}}), 2);  // its wall
+  s.add(sweepShape({{{66, 0, -8}, 1.3, 20}, {{80, 0, -9}, 1.2, 17}}), 1.5);  // its wall
   s.add(sweepShape({{{84, 0, -25.5}, 2.6, 2.6}, {{94, 0, -24}, 1.2, 1.4}}), 3);
-  s.addPair(sweepShape({{{62, 9.5, -14}, 3, 2.5}, {{79, 10, -15}, 2.4, 1.8}}), 2);  // conchae
-  s.addPair(sweepShape({{{62, 8.5, -4}, 3, 2.5}, {{77, 8, -4}, 2.2, 1.8}}), 2);
+  s.addPair(sweepShape({{{60, 11, -13}, 3.4, 3.2}, {{80, 11, -15}, 2.6, 2.6}}), 2);  // concha
+
   s.cutPair(ellipsoidShape({92, 28, -20}, {10, 9, 9}), 8);    // hollow above the canine
   s.cutPair(ellipsoidShape({85, 27, -8}, {6, 1.8, 1.5}), 2);  // below the orbit
   s.cutPair(ellipsoidShape({92, 24.5, 35}, {6, 2, 2}), 2);    // notch in the brow
@@ -183,7 +184,7 @@ TriMesh skullMesh(const Vector3d& condyle) {
   addBase(s, condyle);
   addFace(s);
   cutFace(s);
-  return s.surface(1.2, 5800, true);
+  return s.surface(1.2, 7000, true);
 }
 
 }  // namespace torso

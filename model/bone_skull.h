@@ -22,8 +22,11 @@ struct DentalArch {
   bool upper;
   std::vector<double> crowns;  // widths of the left crowns from the mid-line
 
-  // Point at an angle from the foremost point, `above` the edge towards the root.
-  Eigen::Vector3d point(double angle, double root) const;
+  // Point at an angle from the foremost point, `root` from the edge towards the root, `inset`
+  // inside the arch.
+  Eigen::Vector3d point(double angle, double root, double inset) const;
+  // Unit direction out of the arch.
+  Eigen::Vector3d outwards(double angle) const;
   double speed(double angle) const;  // |d point / d angle|
   double lastAngle() const;          // where the row ends
 };

@@ -159,9 +159,10 @@ class Grid {
   std::vector<Vector3i> active_;
 };
 
-// Vertices to the middle of their neighbours, for even faces, and back to the surface.
-void relax(const Solid& whole, double voxel, bool symmetric, TriMesh& mesh) {
-  constexpr int kPasses = 4;
+// Vertices by the share `even` of the way to the middle of their neighbours, for even faces, and
+// back to the surface.
+void relax(const Solid& whole, double voxel, bool symmetric, int passes, double even,
+           TriMesh& mesh) {
   const std::size_t n = mesh.vertices.size();
   // What is near to a vertex, by the cell of a coarse grid that it lies in.
   const double cell = 8 * voxel;
@@ -189,7 +190,7 @@ void relax(const Solid& whole, double voxel, bool symmetric, TriMesh& mesh) {
   };
   std::vector<Vector3d> sum(n), downhill(n);
   std::vector<int> count(n);
-  for (int pass = 0; pass < kPasses; pass++) {
+  for (int pass = 0; pass < passes; pass++) {
     std::fill(sum.begin(), sum.end(), Vector3d::Zero());
     std::fill(count.begin(), count.end(), 0);
     for (const auto& f : mesh.faces) {
@@ -202,7 +203,7 @@ void relax(const Solid& whole, double voxel, bool symmetric, TriMesh& mesh) {
       Vector3d& v = mesh.vertices[i];
       const bool border = symmetric && v.y() == 0;
       const Vector3d was = v;
-      v += 0.6 * (sum[i] / count[i] - v);
+      v += even * (sum[i] / count[i] - v);
       if (border) v.y() = 0;
       const double d = solids[i]->distance(v);
       if (pass % 2 == 0) downhill[i] = gradient(i, d);
@@ -397,9 +398,10 @@ TriMesh Solid::surface(double voxel, int max_faces, bool symmetric) const {
     for (const Vector3d& v : part.vertices) extent.extend(v);
     if (extent.diagonal().norm() > 5 * voxel) append(mesh, part);  // not a crumb of a fillet
   }
-  relax(*this, voxel, symmetric, mesh);
-  if (!symmetric) return simplified(mesh, max_faces);
-  return joinedWithMirror(simplified(mesh, max_faces / 2));
+  relax(*this, voxel, symmetric, 4, 0.6, mesh);
+  mesh = simplified(mesh, symmetric ? max_faces / 2 : max_faces);
+  relax(*this, voxel, symmetric, 2, 0.15, mesh);  // thinning leaves edges rough
+  return symmetric ? joinedWithMirror(mesh) : mesh;
 }
 
 }  // namespace torso
