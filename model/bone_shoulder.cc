@@ -55,7 +55,7 @@ class Scapula {
     addCoracoid(s);
     constexpr double kSocket = 25.5;  // a little wider than the head of the humerus
     s.cut(ellipsoidShape(joint_, Vector3d::Constant(kSocket)), 2);
-    TriMesh mesh = s.surface(1.15, 3000, false);
+    TriMesh mesh = s.surface(1.25, 3000, false);
     for (Vector3d& v : mesh.vertices) v = frame_ * Vector3d(scale_ * v);
     return mesh;
   }

@@ -184,7 +184,7 @@ TriMesh skullMesh(const Vector3d& condyle) {
   addBase(s, condyle);
   addFace(s);
   cutFace(s);
-  return s.surface(1.2, 7000, true);
+  return s.surface(1.4, 7000, true);
 }
 
 }  // namespace torso

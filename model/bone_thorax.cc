@@ -24,10 +24,10 @@ class RibCage {
     const Vector3d top = anatomy.landmark("suprasternal_notch_IJ");
     const Vector3d tip = anatomy.landmark("xiphoid_PX");
     scale_ = (top - tip).norm() / kSternumLength;
-    // x to the left, y up along the sternum, z to the front.
-    sternum_.linear().col(0) = Vector3d::UnitY();
-    sternum_.linear().col(1) = (top - tip).normalized();
-    sternum_.linear().col(2) = Vector3d::UnitY().cross((top - tip).normalized());
+    // x to the front, y to the left, z up along the sternum.
+    sternum_.linear().col(0) = Vector3d::UnitY().cross((top - tip).normalized());
+    sternum_.linear().col(1) = Vector3d::UnitY();
+    sternum_.linear().col(2) = (top - tip).normalized();
     sternum_.translation() = tip;
   }
 
@@ -41,25 +41,24 @@ class RibCage {
  private:
   // Height of the sternum's middle surface above the plane through IJ and PX, whose front it lies
   // behind but for the forward bend at the sternal angle; half its thickness [mm].
-  static double bend(double y) {
-    const double angle = y > 116 ? std::max(0.0, (164 - y) / 48) : std::min(1.0, y / 80);
-    return -halfThickness(y) + 4.5 * angle;
+  static double bend(double z) {
+    const double angle = z > 116 ? std::max(0.0, (164 - z) / 48) : std::min(1.0, z / 80);
+    return -5 + 4.5 * angle;
   }
-  static double halfThickness(double y) {
-    const double manubrium = std::clamp((y - 112) / 8, 0.0, 1.0);
-    const double xiphoid = std::clamp((27 - y) / 6, 0.0, 1.0);
-    double t = 4.6 + 1.2 * manubrium - 1.8 * xiphoid + 1.2 * std::clamp((y - 130) / 25, 0.0, 1.0);
+  static double halfThickness(double z) {
+    const double manubrium = std::clamp((z - 112) / 8, 0.0, 1.0);
+    const double xiphoid = std::clamp((27 - z) / 6, 0.0, 1.0);
+    double t = 4.6 + 1.2 * manubrium - 1.8 * xiphoid + 1.2 * std::clamp((z - 130) / 25, 0.0, 1.0);
     const auto line = [&](double at, double width) {
-      return std::exp(-std::pow((y - at) / width, 2));
+      return std::exp(-std::pow((z - at) / width, 2));
     };
-    t -= 1.1 * line(116, 1.3) + 0.8 * line(26, 1.3);  // joints
-    return t +
-           0.45 * (line(92, 2.5) + line(70, 2.5) + line(51, 2.5));  // where its parts have fused
+    t += 0.7 * line(116, 5) - 2.2 * line(116, 1.4) - 1.2 * line(26, 1.4);  // joints
+    return t + 0.7 * (line(92, 2.5) + line(70, 2.5) + line(51, 2.5));      // where its parts fused
   }
 
   // Point of the sternum's middle surface [mm -> m].
-  Vector3d onSternum(double x, double y) const {
-    return sternum_ * Vector3d(scale_ * Vector3d(x, y, bend(y)));
+  Vector3d onSternum(double y, double z) const {
+    return sternum_ * Vector3d(scale_ * Vector3d(bend(z), y, z));
   }
 
   TriMesh sternum() const {
@@ -78,19 +77,20 @@ class RibCage {
     std::rotate(outline.begin(), outline.begin() + left.size(), outline.end());
     Sheet sheet;
     sheet.frame = Eigen::Isometry3d::Identity();
+    sheet.frame.linear() << Vector3d::UnitY(), Vector3d::UnitZ(), Vector3d::UnitX();
     sheet.outline = smoothOutline(outline, 3);
-    sheet.middle = [](double, double y) { return bend(y); };
-    sheet.half_thickness = [](double x, double y, double) {
-      const double notch = y > 150 ? 0.03 * std::abs(x) : 0;  // thick at the clavicles
-      return halfThickness(y) + notch;
+    sheet.middle = [](double, double z) { return bend(z); };
+    sheet.half_thickness = [](double y, double z, double) {
+      const double notch = z > 150 ? 0.03 * std::abs(y) : 0;  // thick at the clavicles
+      return halfThickness(z) + notch;
     };
     sheet.max_height = 9;
     sheet.max_half_thickness = 9;
     Solid s;
     s.add(sheetShape(sheet), 0);
     // Faces for the clavicles.
-    s.cutPair(ellipsoidShape({33, 163, -5}, {11, 13, 13}), 2);
-    TriMesh mesh = s.surface(1.3, 1500, false);
+    s.cutPair(ellipsoidShape({-5, 33, 163}, {13, 11, 13}), 2);
+    TriMesh mesh = s.surface(1.3, 1700, true);
     for (Vector3d& v : mesh.vertices) v = sternum_ * Vector3d(scale_ * v);
     return mesh;
   }

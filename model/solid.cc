@@ -277,9 +277,10 @@ Shape sweepShape(const std::vector<SweepPoint>& points, const SweepStyle& style)
       const Vector3d away = from - t * piece.along;
       const double side = piece.side0 + t * (piece.side1 - piece.side0);
       const double high = piece.up0 + t * (piece.up1 - piece.up0);
+      const double reach = nearest + std::max(side, high);
+      if (reach > 0 && away.squaredNorm() > reach * reach) continue;
       const double u = away.dot(up);
       const double s = std::sqrt(std::max(0.0, away.squaredNorm() - u * u));
-      if (std::max(s - side, std::abs(u) - high) > nearest) continue;
       nearest = std::min(nearest, sectionDistance(s, u, side, high, exponent));
     }
     return nearest;
@@ -298,6 +299,9 @@ Shape sheetShape(const Sheet& sheet) {
   const Eigen::Isometry3d into = sheet.frame.inverse();
   shape.distance = [=](const Vector3d& p) {
     const Vector3d q = into * p;
+    const double across = std::abs(q.z() - sheet.middle(q.x(), q.y()));
+    const double above = across - sheet.max_half_thickness;
+    if (above > 3 * sheet.max_half_thickness) return above;  // far away
     // Signed distance to the outline, positive outside.
     double nearest = std::numeric_limits<double>::infinity();
     bool inside = false;
@@ -316,7 +320,7 @@ Shape sheetShape(const Sheet& sheet) {
     const double inset = std::max(0.0, -edge);
     const double half = sheet.half_thickness(q.x(), q.y(), inset);
     // Rounded edge: the distance to a sheet without thickness, narrower by `half`.
-    const double across = std::abs(q.z() - sheet.middle(q.x(), q.y())), out = edge + half;
+    const double out = edge + half;
     return out > 0 ? std::sqrt(across * across + out * out) - half : across - half;
   };
   return shape;
