@@ -43,7 +43,7 @@ const DentalArch& upperArch() {
 }
 
 const DentalArch& lowerArch() {
-  static const DentalArch arch = {92.5, 27.5, 48, -52, 0.11, false, {5, 5.5, 7, 7, 7, 11, 10.5}};
+  static const DentalArch arch = {92, 27.5, 48, -52.8, 0.068, false, {5, 5.5, 7, 7, 7, 11, 10.5}};
   return arch;
 }
 

@@ -79,7 +79,7 @@ ShaftSizes shaftSizes(int rib) {
   if (rib == 1) return {{5.2, 5.8, 6.5}, {3.3, 3.0, 3.3}};
   if (rib == 10) return {{5.2, 5.4, 3.4}, {3.1, 2.7, 2.2}};
   if (rib == 11) return {{4.6, 4.4, 2.8}, {2.7, 2.4, 1.9}};
-  return {{5.8, 6.4, 7.0}, {3.7, 3.0, 3.4}};
+  return {{5.4, 6.4, 7.0}, {3.7, 3.0, 3.4}};
 }
 
 }  // namespace
@@ -128,7 +128,7 @@ void RibLines::makeLine(const Anatomy& anatomy, int rib) {
   std::vector<Vector3d> knots = {head + mm * Vector3d(-1, rib == 0 ? 9.5 : 6.5, 0)};
   if (has_tubercle) {
     knots.push_back(0.5 * (head + tubercle) + mm * Vector3d(1.5, 5, 0));
-    knots.push_back(tubercle + mm * Vector3d(3.5, 4.5, 0));
+    knots.push_back(tubercle + mm * Vector3d(4, 5, 0));
   } else {
     tubercle = head + mm * Vector3d(-22, 24, -5);
     knots.push_back(head + mm * Vector3d(-9, 15, -2));
@@ -246,7 +246,7 @@ TriMesh ribMesh(const RibLines& lines, int rib) {
     for (double a : kAround) {
       const double c = std::cos(a), h = std::sin(a);
       const auto boxy = [](double x) { return std::copysign(std::pow(std::abs(x), 0.8), x); };
-      double n = thick * boxy(c), u = height * boxy(h);
+      double n = thick * boxy(c) * (1 + (1 - neck) * (rib > 0 ? 0.2 : 0) * h), u = height * boxy(h);
       if (c < 0 && h < -0.2) n += groove * bump(-0.62, 0.3, h);
       if (c < 0 && h < 0) u -= 0.35 * groove * (h < -0.95);
       if (c > 0) n += 0.8 * crook;                    // rough line on the back of the angle

@@ -229,8 +229,8 @@ TriMesh clavicleMesh(const Anatomy& anatomy) {
   // The medial part convex to the front, the lateral third concave: an S seen from above. Share of
   // the length, offset to the front and up, half axes across and up [mm].
   constexpr double kStations[][5] = {
-      {0.020, 1, 1.5, 8.5, 9.5}, {0.055, 3, 2, 9.2, 10},    {0.12, 6, 2.5, 8, 8.6},
-      {0.20, 9, 3, 6.6, 7},      {0.30, 10.5, 3, 6, 6.2},   {0.42, 9, 3, 5.8, 5.8},
+      {0.024, 1, 4, 8, 8.2},     {0.055, 3, 4.8, 8.8, 8.8}, {0.12, 6, 5, 7.6, 7.8},
+      {0.20, 9, 4.6, 6.5, 6.8},  {0.30, 10.5, 4, 6, 6.2},   {0.42, 9, 3, 5.8, 5.8},
       {0.54, 4.5, 3, 6, 5.4},    {0.65, -1, 2.5, 6.8, 5.3}, {0.74, -5.5, 2, 8.2, 5.2},
       {0.83, -7, 1.8, 9.2, 4.9}, {0.91, -5, 1.2, 9, 4.7},   {0.982, -1.5, 0.3, 7.2, 4.4}};
   std::vector<Section> sections;

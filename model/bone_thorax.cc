@@ -89,7 +89,7 @@ class RibCage {
     Solid s;
     s.add(sheetShape(sheet), 0);
     // Faces for the clavicles.
-    s.cutPair(ellipsoidShape({-5, 33, 163}, {13, 11, 13}), 2);
+    s.cutPair(ellipsoidShape({-5, 33.5, 164}, {14, 12, 13}), 2);
     TriMesh mesh = s.surface(1.3, 1700, true);
     for (Vector3d& v : mesh.vertices) v = sternum_ * Vector3d(scale_ * v);
     return mesh;
