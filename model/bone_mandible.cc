@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/bone_parts.h"
 #include "model/bone_skull.h"
+#include "model/fuse.h"
 #include "model/loft.h"
-#include "model/solid.h"
+#include "model/sheet.h"
 
 namespace torso {
 
@@ -43,7 +45,7 @@ const DentalArch& upperArch() {
 }
 
 const DentalArch& lowerArch() {
-  static const DentalArch arch = {92, 27.5, 48, -52.8, 0.068, false, {5, 5.5, 7, 7, 7, 11, 10.5}};
+  static const DentalArch arch = {92, 27.5, 48, -53.2, 0.064, false, {5, 5.5, 7, 7, 7, 11, 10.5}};
   return arch;
 }
 
@@ -93,24 +95,24 @@ TriMesh teethMesh(const DentalArch& arch) {
 }
 
 TriMesh mandibleMesh() {
-  Solid s;
+  Blend s;
   // Body, round from angle to angle.
-  std::vector<SweepPoint> body = {{{24, 46, -63}, 4, 9},      {{34, 43.5, -69}, 5, 11},
-                                  {{48, 37.5, -73}, 5.2, 12}, {{62, 30.5, -76.5}, 5, 13},
-                                  {{74, 21, -78.5}, 5, 14},   {{81.5, 10, -79}, 5.2, 15}};
+  std::vector<Section> body = {{{24, 46, -63}, 4, 9},      {{34, 43.5, -69}, 5, 11},
+                               {{48, 37.5, -73}, 5.2, 12}, {{62, 30.5, -76.5}, 5, 13},
+                               {{74, 21, -78.5}, 5, 14},   {{81.5, 10, -79}, 5.2, 15}};
   const std::size_t n = body.size();
   body.push_back({{84, 0, -79}, 5.4, 15.5});
   for (std::size_t i = n; i-- > 0;) {
     body.push_back(body[i]);
     body.back().centre.y() *= -1;
   }
-  s.add(sweepShape(body, {Vector3d::UnitZ(), 2.5, 3}), 0);
+  s.unite(bar(body, Vector3d::UnitZ(), 2.5), 0);
   // Bone of the teeth's roots.
-  std::vector<SweepPoint> ridge;
+  std::vector<Section> ridge;
   for (int k = -6; k <= 6; k++) {
     ridge.push_back({lowerArch().point(k / 6.0 * lowerArch().lastAngle(), 14, 4), 4.6, 5.5});
   }
-  s.add(sweepShape(ridge, {Vector3d::UnitZ(), 2.4, 2}), 5);
+  s.unite(bar(ridge, Vector3d::UnitZ(), 2.4), 5);
   // Ramus: a plate with the neck of the joint's head, the notch and the coronoid process above, and
   // the angle below; turned so that it spreads upwards and to the rear.
   Sheet ramus;
@@ -145,19 +147,19 @@ TriMesh mandibleMesh() {
   };
   ramus.max_height = 60;
   ramus.max_half_thickness = 5;
-  s.addPair(sheetShape(ramus), 8);
-  s.addPair(ellipsoidShape({10.5, 51, -6.8}, {4.2, 9.5, 5},
-                           Eigen::AngleAxisd(-0.2, Vector3d::UnitZ()).toRotationMatrix()),
-            4);
-  s.addPair(sweepShape({{{11.5, 51, -9}, 3.2, 3.6}, {{12, 50, -20}, 2.4, 2.6}}), 6);
+  s.unitePair(sheetSolid(ramus), 8);
+  s.unitePair(ellipsoidSolid({10.5, 51, -6.8}, {4.2, 9.5, 5},
+                             Eigen::AngleAxisd(-0.2, Vector3d::UnitZ()).toRotationMatrix()),
+              4);
+  s.unitePair(bar({{{11.5, 51, -9}, 3.2, 3.6}, {{12, 50, -20}, 2.4, 2.6}}), 6);
   // Oblique line, chin.
-  s.addPair(
-      sweepShape({{{41, 46, -38}, 2.4, 3}, {{48, 43.5, -55}, 2.2, 3}, {{60, 35, -67}, 1.5, 2}}), 5);
-  s.add(ellipsoidShape({86, 0, -88}, {5.5, 9, 6.5}), 7);
-  s.addPair(ellipsoidShape({83, 11, -92}, {5, 6, 3.5}), 6);
-  s.cutPair(ellipsoidShape({70, 33.5, -76}, {2.2, 4, 1.6}), 1.5);  // mental foramen
-  s.cutPair(ellipsoidShape({30, 40.3, -58}, {9, 3.2, 9}), 4);      // inside of the angle
-  return s.surface(1.2, 2300, true);
+  s.unitePair(bar({{{41, 46, -38}, 2.4, 3}, {{48, 43.5, -55}, 2.2, 3}, {{60, 35, -67}, 1.5, 2}}),
+              5);
+  s.unite(ellipsoidSolid({86, 0, -88}, {5.5, 9, 6.5}), 7);
+  s.unitePair(ellipsoidSolid({83, 11, -92}, {5, 6, 3.5}), 6);
+  s.carvePair(ellipsoidSolid({70, 33.5, -76}, {2.2, 4, 1.6}), 1.5);  // mental foramen
+  s.carvePair(ellipsoidSolid({30, 40.3, -58}, {9, 3.2, 9}), 4);      // inside of the angle
+  return surface(s, 1.2, 2300, true, true);
 }
 
 }  // namespace torso

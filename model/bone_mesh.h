@@ -25,7 +25,8 @@ struct BonePart {
 // cartilage, sternum), "head" (C1, C2, skull, mandible), and, with "left_" or "right_" in front,
 // "clavicle", "scapula", "upper_arm" (humerus), "lower_arm" (radius, ulna), "hand", "thigh"
 // (femur), "shin" (tibia, fibula, patella), "foot". At most one part per tissue. Throws
-// std::invalid_argument for another name. Takes a few tenths of a second.
+// std::invalid_argument for another name. Takes some tenths of a second, a few seconds for the
+// head.
 std::vector<BonePart> boneMesh(const Anatomy& anatomy, const std::string& body);
 
 // Tissues of boneMesh's parts, in their order, without making them. Throws as boneMesh does.

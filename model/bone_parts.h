@@ -8,6 +8,7 @@
 #include "model/anatomy.h"
 #include "model/bone_mesh.h"
 #include "model/loft.h"
+#include "model/solid.h"
 
 namespace torso {
 
@@ -22,15 +23,25 @@ inline Section sectionMm(double x, double y, double z, double side, double up) {
   return {pointMm(x, y, z), side * 1e-3, up * 1e-3, Eigen::Vector3d::Zero()};
 }
 
+// Rod with round ends. In any unit of length.
+inline Solid bar(const std::vector<Section>& sections,
+                 const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ(), double squareness = 2) {
+  TubeStyle style;
+  style.up = up;
+  style.squareness = squareness;
+  style.cap = 1;
+  return rod(sections, style);
+}
+
 TriMesh vertebraMesh(const Anatomy& anatomy, const std::string& level);  // L5 .. C3
-// Its overlapping parts, for C2 to be completed.
-TriMesh vertebraShells(const Anatomy& anatomy, const std::string& level);
+
+TriMesh atlasMesh(const Anatomy& anatomy);   // C1
+TriMesh axisMesh(const Anatomy& anatomy);    // C2
+TriMesh sacrumMesh(const Anatomy& anatomy);  // with the coccyx
 
 // Face of a left superior facet in the standing body: its frame has z out of the face, y up along
 // it (its height) and x across (its width).
 Eigen::Isometry3d facetFrame(const Anatomy& anatomy, const ArticularFacet& facet);
-// Bone that carries a facet face: `frame` as above; reaches `depth` behind the face.
-TriMesh facetPad(const Eigen::Isometry3d& frame, double width, double height, double depth);
 
 std::vector<BonePart> pelvisMesh(const Anatomy& anatomy);
 std::vector<BonePart> ribCageMesh(const Anatomy& anatomy);

@@ -3,7 +3,8 @@
 #include <cmath>
 
 #include "model/bone_parts.h"
-#include "model/solid.h"
+#include "model/fuse.h"
+#include "model/sheet.h"
 
 namespace torso {
 namespace {
@@ -28,7 +29,7 @@ double beside(const Vector2d& a, const Vector2d& b, double x, double y) {
 // The scapula in axes of its own: origin at TS, u towards the glenoid's middle, v up in the plane
 // of TS, glenoid and AI, n out of the costal face. Millimetres in a body of the tables' size, where
 // the glenoid lies at (101, 0, 0), AI at (-10, -102, 0), AA at (121, 18, -36), AC at (130, 36, 4).
-// Shape after general anatomy.
+// Solid after general anatomy.
 class Scapula {
  public:
   explicit Scapula(const Anatomy& anatomy) {
@@ -47,21 +48,21 @@ class Scapula {
   }
 
   TriMesh build() const {
-    Solid s;
-    s.add(blade(), 0);
-    s.add(spine(), 4);
+    Blend s;
+    s.unite(blade(), 0);
+    s.unite(spine(), 4);
     addGlenoid(s);
-    s.add(acromion(), 5);
+    s.unite(acromion(), 5);
     addCoracoid(s);
     constexpr double kSocket = 25.5;  // a little wider than the head of the humerus
-    s.cut(ellipsoidShape(joint_, Vector3d::Constant(kSocket)), 2);
-    TriMesh mesh = s.surface(1.25, 3000, false);
+    s.carve(ellipsoidSolid(joint_, Vector3d::Constant(kSocket)), 2);
+    TriMesh mesh = surface(s, 1, 3000, false, true);
     for (Vector3d& v : mesh.vertices) v = frame_ * Vector3d(scale_ * v);
     return mesh;
   }
 
  private:
-  static Shape blade() {
+  static Solid blade() {
     Sheet sheet;
     sheet.frame = Isometry3d::Identity();
     sheet.outline = smoothOutline(
@@ -117,12 +118,12 @@ class Scapula {
     };
     sheet.max_height = 20;
     sheet.max_half_thickness = 11;
-    return sheetShape(sheet);
+    return sheetSolid(sheet);
   }
 
   // A plate off the back of the blade, higher towards the acromion, with a thick crest. x along u,
   // y away from the blade, z along v.
-  static Shape spine() {
+  static Solid spine() {
     Sheet sheet;
     sheet.frame = Isometry3d::Identity();
     sheet.frame.linear() << Vector3d::UnitX(), -Vector3d::UnitZ(), Vector3d::UnitY();
@@ -154,12 +155,12 @@ class Scapula {
     };
     sheet.max_height = 22;
     sheet.max_half_thickness = 6.5;
-    return sheetShape(sheet);
+    return sheetSolid(sheet);
   }
 
   // From the spine around the angle AA forward over the joint; ends beside the clavicle. x along u,
   // y along n, z down.
-  static Shape acromion() {
+  static Solid acromion() {
     Sheet sheet;
     sheet.frame = Isometry3d::Identity();
     sheet.frame.linear() << Vector3d::UnitX(), Vector3d::UnitZ(), -Vector3d::UnitY();
@@ -187,31 +188,31 @@ class Scapula {
     sheet.half_thickness = [](double, double n, double) { return 4.2 - 0.02 * (n + 36); };
     sheet.max_height = 45;
     sheet.max_half_thickness = 5;
-    return sheetShape(sheet);
+    return sheetSolid(sheet);
   }
 
-  static void addGlenoid(Solid& s) {
+  static void addGlenoid(Blend& s) {
     // Neck, and a pear wider below, with the tubercles of biceps and triceps above and below it.
-    s.add(sweepShape({{{74, -2, -2}, 10, 3}, {{85, -1, -1}, 12, 5}, {{95, -1, 0}, 14, 8.5}},
-                     {Vector3d::UnitZ()}),
-          10);
-    s.add(sweepShape({{{98.5, -7.5, 0}, 6, 12.5}, {{98.5, 3, 0}, 6, 11}, {{98.5, 13, 0}, 5.5, 7.5}},
-                     {Vector3d::UnitZ(), 2.3, 5}),
-          3);
-    s.add(ellipsoidShape({95, 19, 1}, {5, 4, 4}), 4);
-    s.add(ellipsoidShape({92, -21.5, 0}, {6, 5, 3.5}), 5);
+    s.unite(bar({{{74, -2, -2}, 10, 3}, {{85, -1, -1}, 12, 5}, {{95, -1, 0}, 14, 8.5}},
+                Vector3d::UnitZ()),
+            10);
+    s.unite(bar({{{98.5, -7.5, 0}, 6, 12.5}, {{98.5, 3, 0}, 6, 11}, {{98.5, 13, 0}, 5.5, 7.5}},
+                Vector3d::UnitZ(), 2.3),
+            3);
+    s.unite(ellipsoidSolid({95, 19, 1}, {5, 4, 4}), 4);
+    s.unite(ellipsoidSolid({92, -21.5, 0}, {6, 5, 3.5}), 5);
   }
 
   // Up and forward from the neck, then a hook to the side.
-  static void addCoracoid(Solid& s) {
-    s.add(sweepShape({{{83, 16, 2}, 8, 6},
-                      {{84, 26, 7}, 7.5, 6},
-                      {{88, 33, 15}, 7, 5.5},
-                      {{96, 33, 26}, 6.5, 5},
-                      {{105, 27.5, 35}, 6, 4.8},
-                      {{112, 21, 40}, 4.6, 4.2}},
-                     {Vector3d(0.3, 0.7, -0.3)}),
-          6);
+  static void addCoracoid(Blend& s) {
+    s.unite(bar({{{83, 16, 2}, 8, 6},
+                 {{84, 26, 7}, 7.5, 6},
+                 {{88, 33, 15}, 7, 5.5},
+                 {{96, 33, 26}, 6.5, 5},
+                 {{105, 27.5, 35}, 6, 4.8},
+                 {{112, 21, 40}, 4.6, 4.2}},
+                Vector3d(0.3, 0.7, -0.3)),
+            6);
   }
 
   Isometry3d frame_ = Isometry3d::Identity();

@@ -4,7 +4,8 @@
 
 #include "model/bone_parts.h"
 #include "model/bone_rib.h"
-#include "model/solid.h"
+#include "model/fuse.h"
+#include "model/sheet.h"
 
 namespace torso {
 namespace {
@@ -86,11 +87,11 @@ class RibCage {
     };
     sheet.max_height = 9;
     sheet.max_half_thickness = 9;
-    Solid s;
-    s.add(sheetShape(sheet), 0);
+    Blend s;
+    s.unite(sheetSolid(sheet), 0);
     // Faces for the clavicles.
-    s.cutPair(ellipsoidShape({-5, 33.5, 164}, {14, 12, 13}), 2);
-    TriMesh mesh = s.surface(1.3, 1700, true);
+    s.carvePair(ellipsoidSolid({-5, 33.5, 164}, {14, 12, 13}), 2);
+    TriMesh mesh = surface(s, 1.3, 1700, true, true);
     for (Vector3d& v : mesh.vertices) v = sternum_ * Vector3d(scale_ * v);
     return mesh;
   }
@@ -109,36 +110,46 @@ class RibCage {
     return line;
   }
 
-  TriMesh cartilage() const {
-    Solid s;
-    for (int i = 0; i < kRibs; i++) {
-      const RibSection end = ribEndSection(i);
-      std::vector<SweepPoint> points;
-      if (i < kFalseRibs) {
-        const std::vector<Vector3d> line = cartilageLine(i);
-        for (std::size_t k = 0; k < line.size(); k++) {
-          const double t = k / (line.size() - 1.0);
-          const double narrow = i == 0 ? 5.5e-3 : i < kTrueRibs ? 4.6e-3 : 3.6e-3;
-          // It starts within the rib's end, which is a little wider.
-          points.push_back({line[k], (1 - t) * 0.88 * end.height + t * narrow,
-                            (1 - t) * 0.88 * end.thickness + t * 3.4e-3});
-        }
-      } else {
-        const Vector3d from = ribs_.point(i, 1), heading = ribs_.heading(i, 0.99);
-        points = {{from - 1_mm * heading, 0.88 * end.height, 0.88 * end.thickness},
+  // Bar from the end of a rib to the sternum, to the cartilage above or, of the last two, to a tip.
+  Solid costalCartilage(int i) const {
+    const RibSection end = ribEndSection(i);
+    std::vector<Section> sections;
+    if (i < kFalseRibs) {
+      const std::vector<Vector3d> line = cartilageLine(i);
+      const double narrow = i == 0 ? 5.5_mm : i < kTrueRibs ? 4.6_mm : 3.6_mm;
+      for (std::size_t k = 0; k < line.size(); k++) {
+        // It starts within the rib's end, which is a little wider.
+        const double t = k / (line.size() - 1.0);
+        sections.push_back({line[k], (1 - t) * 0.88 * end.height + t * narrow,
+                            (1 - t) * 0.88 * end.thickness + t * 3.4_mm});
+      }
+    } else {
+      const Vector3d from = ribs_.point(i, 1), heading = ribs_.heading(i, 0.99);
+      sections = {{from - 1_mm * heading, 0.88 * end.height, 0.88 * end.thickness},
                   {from + 4_mm * heading, 0.75 * end.height, 0.75 * end.thickness},
                   {from + 9_mm * heading, 0.4 * end.height, 0.4 * end.thickness}};
-      }
-      // The section's "up" is its thickness, out of the thorax.
-      SweepStyle style;
-      style.up = ribs_.outward(i, 0.97);
-      if (i > 0 && i < kFalseRibs) {
-        const Vector3d along = points.back().centre - points.front().centre;
-        style.up = (style.up - style.up.dot(along) / along.squaredNorm() * along).normalized();
-      }
-      s.addPair(sweepShape(points, style), i < kTrueRibs ? 1.5_mm : 4_mm);
     }
-    return s.surface(1.5_mm, 4000, true);
+    // The section's "up" is its thickness, out of the thorax.
+    return bar(sections, ribs_.outward(i, 0.97), 2);
+  }
+
+  TriMesh cartilage() const {
+    TriMesh mesh;
+    // Those that end on one another are one piece.
+    constexpr int kFirstJoined = 6;
+    constexpr double kVoxel = 1.4_mm, kFillet = 4_mm;
+    Blend joined;
+    for (int i = 0; i < kRibs; i++) {
+      if (i >= kFirstJoined && i < kFalseRibs) {
+        joined.unite(costalCartilage(i), i > kTrueRibs ? kFillet : 1.5_mm);
+        continue;
+      }
+      Blend alone;
+      alone.unite(costalCartilage(i), 0);
+      appendPair(mesh, surface(alone, kVoxel, i < kFirstJoined ? 170 : 60, false, true));
+    }
+    appendPair(mesh, surface(joined, kVoxel, 1000, false, true));
+    return mesh;
   }
 
   const RibLines ribs_;

@@ -2,19 +2,18 @@
 #include "model/fuse.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <queue>
 #include <unordered_map>
+
+#include "model/simplify.h"
 
 namespace torso {
 namespace {
 
 using Eigen::AlignedBox3d;
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
@@ -58,6 +57,28 @@ class Field {
     const Vector3d extent = box.max() + Vector3d::Constant(3 * h_) - origin_;
     for (int k = 0; k < 3; k++) size_[k] = static_cast<int>(std::ceil(extent[k] / h_)) + 1;
     value_.assign(std::size_t(size_[0]) * size_[1] * size_[2], band_);
+  }
+
+  // The solid's distance near its surface; further off only its sign is right.
+  void sample(const Blend& solid) {
+    constexpr int kBlock = 4;
+    const double reach = 0.5 * kBlock * std::sqrt(3.0) * h_, near = 2 * h_;
+    for (int i = 0; i < size_[0]; i += kBlock) {
+      for (int j = 0; j < size_[1]; j += kBlock) {
+        for (int k = 0; k < size_[2]; k += kBlock) {
+          const Vector3d middle = node(i, j, k) + Vector3d::Constant(0.5 * (kBlock - 1) * h_);
+          const double at_middle = solid.distance(middle, reach + near);
+          const bool empty = std::abs(at_middle) > reach + near;
+          for (int a = i; a < std::min(i + kBlock, size_[0]); a++) {
+            for (int b = j; b < std::min(j + kBlock, size_[1]); b++) {
+              for (int c = k; c < std::min(k + kBlock, size_[2]); c++) {
+                value_[index(a, b, c)] = empty ? at_middle : solid.distance(node(a, b, c), near);
+              }
+            }
+          }
+        }
+      }
+    }
   }
 
   // Unites the field with a shell, or takes the shell's inside away.
@@ -277,222 +298,6 @@ class Field {
   std::vector<double> value_;
 };
 
-// Sum of squared distances to planes: x^T A x + 2 b^T x + c.
-struct Quadric {
-  Matrix3d A = Matrix3d::Zero();
-  Vector3d b = Vector3d::Zero();
-  double c = 0;
-  void addPlane(const Vector3d& normal, const Vector3d& point, double weight) {
-    const double d = -normal.dot(point);
-    A += weight * normal * normal.transpose();
-    b += weight * d * normal;
-    c += weight * d * d;
-  }
-  double operator()(const Vector3d& x) const { return x.dot(A * x) + 2 * b.dot(x) + c; }
-};
-
-class Simplifier {
- public:
-  explicit Simplifier(const TriMesh& mesh) : v_(mesh.vertices), f_(mesh.faces) {
-    const std::size_t n = v_.size();
-    faces_of_.resize(n);
-    quadric_.resize(n);
-    version_.assign(n, 0);
-    border_.assign(n, false);
-    alive_.assign(f_.size(), true);
-    count_ = static_cast<int>(f_.size());
-    std::vector<std::pair<int, int>> edges;
-    for (std::size_t i = 0; i < f_.size(); i++) {
-      const auto& f = f_[i];
-      const Vector3d cross = (v_[f[1]] - v_[f[0]]).cross(v_[f[2]] - v_[f[0]]);
-      for (int k = 0; k < 3; k++) {
-        faces_of_[f[k]].push_back(static_cast<int>(i));
-        edges.push_back({f[k], f[(k + 1) % 3]});
-        if (cross.norm() > 0) {
-          quadric_[f[k]].addPlane(cross.normalized(), v_[f[0]], cross.norm() / 6);
-        }
-      }
-    }
-    std::sort(edges.begin(), edges.end());
-    const auto open = [&](int a, int b) {
-      return !std::binary_search(edges.begin(), edges.end(), std::make_pair(b, a));
-    };
-    for (const auto& [a, b] : edges) {
-      if (open(a, b)) border_[a] = border_[b] = true;
-    }
-    for (const auto& [a, b] : edges) {
-      if (a < b || open(a, b)) push(a, b);
-    }
-  }
-
-  TriMesh run(int max_faces) {
-    while (count_ > max_faces && !heap_.empty()) {
-      const Candidate c = heap_.top();
-      heap_.pop();
-      if (c.version_a == version_[c.a] && c.version_b == version_[c.b]) collapse(c);
-    }
-    TriMesh out;
-    std::vector<int> renamed(v_.size(), -1);
-    for (std::size_t i = 0; i < f_.size(); i++) {
-      if (!alive_[i]) continue;
-      std::array<int, 3> f;
-      for (int k = 0; k < 3; k++) {
-        int& name = renamed[f_[i][k]];
-        if (name < 0) {
-          name = static_cast<int>(out.vertices.size());
-          out.vertices.push_back(v_[f_[i][k]]);
-        }
-        f[k] = name;
-      }
-      out.faces.push_back(f);
-    }
-    return out;
-  }
-
- private:
-  struct Candidate {
-    double cost;
-    int a, b, version_a, version_b;
-    Vector3d place;
-    int tries;
-    bool operator<(const Candidate& other) const { return cost > other.cost; }
-  };
-
-  void push(int a, int b) {
-    Quadric q = quadric_[a];
-    q.A += quadric_[b].A;
-    q.b += quadric_[b].b;
-    q.c += quadric_[b].c;
-    const Vector3d edge = v_[b] - v_[a], middle = 0.5 * (v_[a] + v_[b]);
-    // Towards the middle a little: flat places would leave the best place open.
-    const double area = std::max(q.A.trace(), 1e-18), keep = 2e-3 * area;
-    Matrix3d A = q.A + keep * Matrix3d::Identity();
-    Vector3d rhs = -q.b + keep * middle;
-    const bool border = border_[a] || border_[b];
-    if (border) {
-      A(1, 1) += 1e3 * area;
-      A(1, 0) = A(0, 1) = A(1, 2) = A(2, 1) = 0;
-      rhs.y() = 0;
-    }
-    Vector3d place = A.inverse() * rhs;
-    if (border) place.y() = 0;
-    if (!((place - middle).norm() < edge.norm())) {
-      place = middle;
-      if (border) place.y() = 0;
-    }
-    // Among flat places short edges go first, for even faces.
-    const double cost = std::max(q(place), 0.0) + 3e-4 * area * edge.squaredNorm();
-    heap_.push({cost, a, b, version_[a], version_[b], place, 0});
-  }
-
-  std::vector<int> neighbours(int a) const {  // ascending
-    std::vector<int> out;
-    for (int i : faces_of_[a]) {
-      for (int k : f_[i]) {
-        if (k != a) out.push_back(k);
-      }
-    }
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
-    return out;
-  }
-
-  void collapse(const Candidate& c) {
-    // The surface stays a surface if the two ends share just the neighbours opposite the edge.
-    const std::vector<int> na = neighbours(c.a), nb = neighbours(c.b);
-    int shared_faces = 0, shared = 0;
-    for (int i : faces_of_[c.a]) shared_faces += contains(i, c.b);
-    for (int i : na) shared += std::binary_search(nb.begin(), nb.end(), i);
-    if (shared_faces == 0 || shared != shared_faces) return;
-    if (border_[c.a] && border_[c.b] && shared_faces != 1) return;
-    if (na.size() + nb.size() < 8) return;
-    // Two vertices on the open edge may only be joined along it: the mirror image has them, too.
-    if (border_[c.a] != border_[c.b]) {
-      const std::vector<int>&inner = border_[c.a] ? nb : na, &outer = border_[c.a] ? na : nb;
-      for (int i : inner) {
-        if (border_[i] && i != c.a && i != c.b &&
-            !std::binary_search(outer.begin(), outer.end(), i)) {
-          return;
-        }
-      }
-    }
-    for (int end : {c.a, c.b}) {
-      for (int i : faces_of_[end]) {
-        if (contains(i, c.a) && contains(i, c.b)) continue;
-        Vector3d p[3];
-        for (int k = 0; k < 3; k++) p[k] = v_[f_[i][k]];
-        const double was = quality(p);
-        const Vector3d before = (p[1] - p[0]).cross(p[2] - p[0]);
-        for (int k = 0; k < 3; k++) {
-          if (f_[i][k] == end) p[k] = c.place;
-        }
-        const double is = quality(p);
-        const Vector3d after = (p[1] - p[0]).cross(p[2] - p[0]);
-        const bool sliver = is < 0.15 && is < was;
-        const bool fold = was > 0.05 && before.dot(after) < 0.3 * before.norm() * after.norm();
-        if (sliver || fold) {
-          // Later perhaps, when the neighbours have changed.
-          if (c.tries < 3) {
-            Candidate again = c;
-            again.cost *= 30;
-            again.tries++;
-            heap_.push(again);
-          }
-          return;
-        }
-      }
-    }
-    v_[c.a] = c.place;
-    quadric_[c.a].A += quadric_[c.b].A;
-    quadric_[c.a].b += quadric_[c.b].b;
-    quadric_[c.a].c += quadric_[c.b].c;
-    border_[c.a] = border_[c.a] || border_[c.b];
-    for (int i : faces_of_[c.b]) {
-      if (contains(i, c.a)) {
-        alive_[i] = false;
-        count_--;
-        continue;
-      }
-      for (int& k : f_[i]) {
-        if (k == c.b) k = c.a;
-      }
-      faces_of_[c.a].push_back(i);
-    }
-    for (int i : neighbours(c.a)) removeDead(i);
-    removeDead(c.a);
-    faces_of_[c.b].clear();
-    version_[c.b]++;
-    version_[c.a]++;
-    for (int i : neighbours(c.a)) push(c.a, i);
-  }
-
-  // Height over the longest edge, about: 0 for a sliver, 0.87 for an equilateral triangle.
-  static double quality(const Vector3d p[3]) {
-    const double longest = std::max(
-        {(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()});
-    return (p[1] - p[0]).cross(p[2] - p[0]).norm() / longest;
-  }
-
-  bool contains(int face, int vertex) const {
-    const auto& f = f_[face];
-    return f[0] == vertex || f[1] == vertex || f[2] == vertex;
-  }
-  void removeDead(int vertex) {
-    auto& faces = faces_of_[vertex];
-    faces.erase(std::remove_if(faces.begin(), faces.end(), [&](int i) { return !alive_[i]; }),
-                faces.end());
-  }
-
-  std::vector<Vector3d> v_;
-  std::vector<std::array<int, 3>> f_;
-  std::vector<std::vector<int>> faces_of_;
-  std::vector<Quadric> quadric_;
-  std::vector<int> version_;
-  std::vector<bool> border_, alive_;
-  std::priority_queue<Candidate> heap_;
-  int count_;
-};
-
 // A mesh with an open edge in the plane y = 0 and its mirror image, joined there.
 TriMesh joinedWithMirror(const TriMesh& half) {
   TriMesh mesh = half;
@@ -507,6 +312,45 @@ TriMesh joinedWithMirror(const TriMesh& half) {
   }
   for (const auto& f : half.faces) mesh.faces.push_back({image[f[0]], image[f[2]], image[f[1]]});
   return mesh;
+}
+
+// Without the crumbs and bubbles that grazing shapes leave.
+TriMesh largestPart(const TriMesh& mesh) {
+  std::vector<TriMesh> parts = connectedParts(mesh);
+  const auto fewer = [](const TriMesh& a, const TriMesh& b) {
+    return a.faces.size() < b.faces.size();
+  };
+  return parts.empty() ? mesh : *std::max_element(parts.begin(), parts.end(), fewer);
+}
+
+// Vertices back to the surface, each a little towards the middle of its neighbours.
+void settle(const Blend& solid, double voxel, bool symmetric, TriMesh& mesh) {
+  const std::size_t n = mesh.vertices.size();
+  const double step = 0.25 * voxel, far = 2 * voxel;
+  for (int pass = 0; pass < 2; pass++) {
+    std::vector<Vector3d> sum(n, Vector3d::Zero());
+    std::vector<int> count(n, 0);
+    for (const auto& f : mesh.faces) {
+      for (int k = 0; k < 3; k++) {
+        sum[f[k]] += mesh.vertices[f[(k + 1) % 3]] + mesh.vertices[f[(k + 2) % 3]];
+        count[f[k]] += 2;
+      }
+    }
+    for (std::size_t i = 0; i < n; i++) {
+      const Vector3d was = mesh.vertices[i];
+      const bool border = symmetric && was.y() == 0;
+      Vector3d v = was + 0.15 * (sum[i] / count[i] - was);
+      if (border) v.y() = 0;
+      const double d = solid.distance(v, far);
+      Vector3d gradient;
+      for (int k = 0; k < 3; k++) {
+        gradient[k] = (solid.distance(v + step * Vector3d::Unit(k), far) - d) / step;
+      }
+      if (border) gradient.y() = 0;
+      if (gradient.squaredNorm() > 0.05) v -= d / gradient.squaredNorm() * gradient;
+      if ((v - was).norm() < 1.5 * voxel) mesh.vertices[i] = v;
+    }
+  }
 }
 
 }  // namespace
@@ -537,8 +381,6 @@ std::vector<TriMesh> connectedParts(const TriMesh& mesh) {
   return out;
 }
 
-TriMesh simplified(const TriMesh& mesh, int max_faces) { return Simplifier(mesh).run(max_faces); }
-
 TriMesh fuse(const TriMesh& shells, const FuseOptions& options, const TriMesh& cut) {
   AlignedBox3d box;
   for (const Vector3d& v : shells.vertices) box.extend(v);
@@ -550,6 +392,16 @@ TriMesh fuse(const TriMesh& shells, const FuseOptions& options, const TriMesh& c
   field.relax(surface, options.symmetric);
   if (!options.symmetric) return simplified(surface, options.max_faces);
   return joinedWithMirror(simplified(surface, options.max_faces / 2));
+}
+
+TriMesh surface(const Blend& solid, double voxel, int max_faces, bool symmetric, bool even) {
+  Field field(solid.box(), {voxel, 0, max_faces, 0, symmetric});
+  field.sample(solid);
+  TriMesh mesh = largestPart(field.surface());
+  field.relax(mesh, symmetric);
+  mesh = simplified(mesh, symmetric ? max_faces / 2 : max_faces);
+  if (even) settle(solid, voxel, symmetric, mesh);
+  return symmetric ? joinedWithMirror(mesh) : mesh;
 }
 
 }  // namespace torso

@@ -1,9 +1,10 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// One smooth surface about overlapping shells: the union of their distance fields on a grid, with
-// fillets, and its zero surface, thinned out.
+// One smooth surface about overlapping shells or solids: their distance field on a grid, and its
+// zero surface, thinned out.
 
+#include "model/solid.h"
 #include "model/tri_mesh.h"
 
 namespace torso {
@@ -21,9 +22,10 @@ struct FuseOptions {
 // as well, is taken away.
 TriMesh fuse(const TriMesh& shells, const FuseOptions& options, const TriMesh& cut = {});
 
-// Edge collapses by quadric error (Garland and Heckbert 1997, SIGGRAPH) until max_faces are left.
-// Vertices on an open edge must lie in the plane y = 0 and stay in it.
-TriMesh simplified(const TriMesh& mesh, int max_faces);
+// The surface of a solid (of its largest part), on a grid of nodes `voxel` apart [m]; max_faces and
+// symmetric as above. Shapes thinner than two voxels are lost. Thinning leaves edges rough, half a
+// millimetre or less; `even` smooths them, and takes as much from their size.
+TriMesh surface(const Blend& solid, double voxel, int max_faces, bool symmetric, bool even = false);
 
 // The connected parts of a mesh.
 std::vector<TriMesh> connectedParts(const TriMesh& mesh);

@@ -8,6 +8,7 @@
 
 #include "model/disc.h"
 #include "model/loft.h"
+#include "model/simplify.h"
 
 namespace torso {
 namespace {

@@ -1,0 +1,161 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "model/bone_vertebra.h"
+
+namespace torso {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// Where the laminae meet, in the middle of their thickness. They hang lower than the pedicles.
+Vector3d laminaMiddle(const VertebraPlan& plan) {
+  return {plan.canal_end - 3.0_mm, 0, -0.5 * plan.half_height};
+}
+
+void addLaminae(Blend& bone, const VertebraPlan& plan) {
+  const Vector3d end = plan.pedicle_end, middle = laminaMiddle(plan);
+  const double y = plan.canal_half;
+  TubeStyle style;
+  style.squareness = 2.8;
+  style.up = Vector3d(0.22, 0, 1);  // the upper edge leans forward, before the arch above
+  // From the pars interarticularis, the narrow bridge below the pedicle.
+  const Vector3d pars(end.x() - 2.5_mm, y + 2.5_mm, end.z() - 5.0_mm);
+  const Vector3d half(0.45 * middle.x() + 0.55 * pars.x(), 0.62 * y + 1.0_mm,
+                      0.6 * middle.z() + 0.4 * pars.z());
+  bone.unitePair(rod({{end + pointMm(-0.5, 0.5, -1), 4.5_mm, 6.5_mm},
+                      {pars, 3.6_mm, 7.0_mm},
+                      {half, 3.0_mm, 8.6_mm},
+                      {middle, 3.4_mm, 9.0_mm}},
+                     style),
+                 3.5_mm);
+}
+
+// A hatchet: a tall plate whose square end is thicker, most of all below.
+void addSpinousProcess(Blend& bone, const VertebraPlan& plan) {
+  const Vector3d tip = plan.spinous_tip, root = laminaMiddle(plan);
+  const bool l5 = plan.number() == 5;
+  const double tall = l5 ? 0.72 : 1;
+  // Plane with x forward along the line from the body's centre to the tip.
+  Isometry3d X = Isometry3d::Identity();
+  Matrix3d R;
+  const Vector3d forward = -tip.normalized();
+  R << forward, Vector3d::UnitY(), forward.cross(Vector3d::UnitY());
+  X.linear() = R;
+  const double end = -tip.norm();
+  const Vector2d start((R.transpose() * root).x(), (R.transpose() * root).z());
+  const auto at = [&](double back_share, double z) {
+    return Vector2d(start.x() + back_share * (end - start.x()), z * 1e-3);
+  };
+  const double z0 = start.y() * 1e3;
+  const std::vector<Vector2d> outline = {
+      {start.x() + 1.0_mm, start.y() - 8.5_mm},
+      {start.x() + 1.0_mm, start.y() + 8.5_mm},
+      at(0.18, z0 + 6.5),
+      at(0.40, 0.5 * z0 + tall * 7.2),
+      at(0.70, tall * 8.6),
+      at(0.90, tall * 9.4),
+      at(0.975, tall * 7.5),
+      at(1.0, tall * 2.0),
+      at(1.0, tall * -6.0),
+      at(0.975, tall * -10.5),
+      at(0.89, tall * -11.4),
+      at(0.72, tall * -10.8),
+      at(0.48, 0.4 * z0 - tall * 9.2),
+      at(0.22, z0 - 8.6),
+  };
+  const double length = start.x() - end;
+  const auto thickness = [=](const Vector2d& p) {
+    const double s = std::clamp((start.x() - p.x()) / length, 0.0, 1.2);
+    const double low = std::clamp(-p.y() / 10.0_mm, 0.0, 1.0);
+    return 5.0_mm + 3.2_mm * std::pow(1 - std::min(s, 1.0), 2) +
+           2.6_mm * std::pow(std::clamp((s - 0.5) / 0.5, 0.0, 1.2), 2) + 1.4_mm * low * s;
+  };
+  bone.unite(outlinePlate(X, outline, thickness, 3.5_mm), 5.0_mm);
+}
+
+void addArticularProcesses(Blend& bone, const VertebraPlan& plan) {
+  const Vector3d end = plan.pedicle_end;
+  const VertebraPlan::Face &s = plan.superior, &i = plan.inferior;
+  TubeStyle style;
+  style.cap = 0.8;
+  // Superior: a column from the pedicle's end, whose back carries the mammillary process.
+  const Vector3d root(0.5 * (end.x() + s.behind(5.0_mm).x()),
+                      std::max(0.5 * (end.y() + s.behind(5.0_mm).y()), plan.canal_half + 4.0_mm),
+                      end.z() - 4.0_mm);
+  style.up = s.frame.linear().col(2);
+  bone.unitePair(rod({{root, 5.5_mm, 4.5_mm},
+                      {0.5 * (root + s.at(0, 0, -4.2_mm)), 0.5 * s.width, 3.8_mm},
+                      {s.at(-0.5_mm, 0.26 * s.height, -3.4_mm), 0.40 * s.width, 3.0_mm}},
+                     style),
+                 4.0_mm);
+  // Inferior: a tongue that hangs from the lamina.
+  const Vector3d middle = laminaMiddle(plan);
+  const Vector3d from(middle.x() + 1.5_mm,
+                      std::max(0.55 * i.behind(4.0_mm).y(), 0.7 * plan.canal_half),
+                      middle.z() + 4.0_mm);
+  style.up = i.frame.linear().col(2);
+  bone.unitePair(rod({{from, 5.5_mm, 3.6_mm},
+                      {0.45 * from + 0.55 * i.at(0, 0, -3.5_mm), 0.46 * i.width, 3.6_mm},
+                      {i.at(0, -0.30 * i.height, -2.9_mm), 0.36 * i.width, 2.6_mm}},
+                     style),
+                 3.5_mm);
+  addFace(bone, s, 4.5_mm, 2.5_mm);
+  addFace(bone, i, 4.0_mm, 2.5_mm);
+  // Mammillary process: on the rear outer edge of the superior one.
+  const Vector3d knob = s.at(-0.46 * s.width, 0.02 * s.height, -4.2_mm);
+  bone.unitePair(ellipsoidSolid(knob, pointMm(3.4, 3.2, 5.2)), 2.5_mm);
+}
+
+// Costal process: a long slender blade; on L5 a short massive cone from the whole pedicle.
+void addTransverseProcess(Blend& bone, const VertebraPlan& plan) {
+  const Vector3d end = plan.pedicle_end;
+  const double span = plan.v.transverse_process_span / 2;
+  const bool l5 = plan.number() == 5;
+  TubeStyle style;
+  style.squareness = 2.2;
+  style.cap = 1;
+  const double tip_up = l5 ? 5.0_mm : 3.4_mm, tip_side = l5 ? 3.6_mm : 1.9_mm;
+  const double rise = plan.number() >= 4 ? 4.5_mm : plan.number() == 1 ? -1.0_mm : 1.0_mm;
+  const Vector3d root(end.x() + (l5 ? 4.0_mm : 1.5_mm), end.y() - 1.0_mm, end.z() - 2.0_mm);
+  const Vector3d tip(end.x() - (l5 ? 4.5_mm : 5.5_mm), span - tip_side, root.z() + rise);
+  const auto between = [&](double t, double x, double z) -> Vector3d {
+    return root + t * (tip - root) + pointMm(x, 0, z);
+  };
+  if (l5) {
+    bone.unitePair(rod({{root, 7.5_mm, 7.8_mm},
+                        {between(0.3, 0, -1), 6.2_mm, 7.2_mm},
+                        {between(0.65, 0, -0.5), 4.6_mm, 6.4_mm},
+                        {tip, tip_side, tip_up}},
+                       style),
+                   5.0_mm);
+  } else {
+    bone.unitePair(rod({{root, 4.2_mm, 6.5_mm},
+                        {between(0.25, -1.6, -0.5), 3.0_mm, 4.4_mm},
+                        {between(0.55, -1.6, -0.4), 2.4_mm, 4.6_mm},
+                        {between(0.85, -0.6, 0), 2.2_mm, 4.8_mm},
+                        {tip, tip_side, tip_up}},
+                       style),
+                   4.0_mm);
+  }
+  // Accessory process, behind the root.
+  bone.unitePair(ellipsoidSolid(root + pointMm(-6, 3, -2.5), pointMm(2.4, 2.0, 3.0)), 2.5_mm);
+}
+
+}  // namespace
+
+void addLumbarArch(Blend& bone, const VertebraPlan& plan) {
+  addLaminae(bone, plan);
+  addSpinousProcess(bone, plan);
+  carveCanal(bone, plan);
+  addTransverseProcess(bone, plan);
+  addArticularProcesses(bone, plan);
+  clearFace(bone, plan.superior);
+  clearFace(bone, plan.inferior);
+}
+
+}  // namespace torso
