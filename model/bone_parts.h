@@ -8,6 +8,7 @@
 #include "model/anatomy.h"
 #include "model/bone_mesh.h"
 #include "model/loft.h"
+#include "model/solid.h"
 
 namespace torso {
 
@@ -20,6 +21,16 @@ inline Eigen::Vector3d pointMm(double x, double y, double z) {
 }
 inline Section sectionMm(double x, double y, double z, double side, double up) {
   return {pointMm(x, y, z), side * 1e-3, up * 1e-3, Eigen::Vector3d::Zero()};
+}
+
+// Rod with round ends. In any unit of length.
+inline Solid bar(const std::vector<Section>& sections,
+                 const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ(), double squareness = 2) {
+  TubeStyle style;
+  style.up = up;
+  style.squareness = squareness;
+  style.cap = 1;
+  return rod(sections, style);
 }
 
 TriMesh vertebraMesh(const Anatomy& anatomy, const std::string& level);  // L5 .. C3

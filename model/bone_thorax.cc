@@ -3,215 +3,158 @@
 #include <cmath>
 
 #include "model/bone_parts.h"
+#include "model/bone_rib.h"
+#include "model/fuse.h"
+#include "model/sheet.h"
 
 namespace torso {
 namespace {
 
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kRibs = 12, kTrueRibs = 7, kFalseRibs = 10;
-
-// Course of a rib's middle line [mm], standing body. In plan it follows a closed oval: widest at
-// `x_wide` with `half_breadth` on each side, from `x_back` to `x_front` on the mid-line. It ends at
-// y_end, z_end; `back_power` > 2 squares the oval behind, where the ribs turn at their angles.
-// Assumed; breadth after the landmark rib_cage_max_breadth_point (rib 7 passes it), front after the
-// sternum.
-struct RibCourse {
-  double x_wide, half_breadth, x_back, x_front, y_end, z_end;
-};
-constexpr RibCourse kCourse[kRibs] = {
-    {24, 53, -22, 84, 37, 394},   {22, 80, -44, 99, 49, 349},    {22, 99, -58, 109, 59, 318},
-    {24, 113, -68, 115, 68, 286}, {28, 123, -76, 119, 77, 256},  {32, 130, -81, 121, 87, 228},
-    {35, 134, -84, 121, 96, 204}, {34, 135, -85, 117, 106, 182}, {30, 133, -84, 109, 114, 163},
-    {24, 127, -80, 99, 117, 146}, {16, 119, -73, 90, 116, 142},  {4, 107, -64, 80, 92, 140}};
-constexpr double kBackPower = 2.95, kFrontPower = 2.25;
-
-// Where a rib's cartilage meets the sternum [mm]; ribs 8 to 10 end on the cartilage above.
-constexpr double kSternalEnd[kTrueRibs][2] = {  // y, z
-    {27, 390}, {18, 363}, {17, 338}, {19, 316}, {20, 298}, {17, 283}, {11, 273}};
+// Where cartilages meet the sternum: half its width there and height above the xiphoid's tip along
+// the sternum [mm]. Ribs 8 to 10 end on the cartilage above.
+constexpr double kSternalEnd[kTrueRibs][2] = {{29, 140}, {18, 116}, {17, 92}, {19, 70},
+                                              {20, 51},  {17, 35},  {10, 25}};
+constexpr double kSternumLength = 164.6;  // of the table's landmarks IJ to PX, for the sizes here
 
 class RibCage {
  public:
-  explicit RibCage(const Anatomy& anatomy) : anatomy_(anatomy) {}
+  explicit RibCage(const Anatomy& anatomy) : ribs_(anatomy) {
+    const Vector3d top = anatomy.landmark("suprasternal_notch_IJ");
+    const Vector3d tip = anatomy.landmark("xiphoid_PX");
+    scale_ = (top - tip).norm() / kSternumLength;
+    // x to the front, y to the left, z up along the sternum.
+    sternum_.linear().col(0) = Vector3d::UnitY().cross((top - tip).normalized());
+    sternum_.linear().col(1) = Vector3d::UnitY();
+    sternum_.linear().col(2) = (top - tip).normalized();
+    sternum_.translation() = tip;
+  }
 
   std::vector<BonePart> build() {
-    TriMesh bone, cartilage;
-    for (int i = 0; i < kRibs; i++) appendPair(bone, rib(i));
+    TriMesh bone;
+    for (int i = 0; i < kRibs; i++) appendPair(bone, ribMesh(ribs_, i));
     append(bone, sternum());
-    for (int i = 0; i < kFalseRibs; i++) appendPair(cartilage, costalCartilage(i));
-    for (int i = kFalseRibs; i < kRibs; i++) appendPair(cartilage, floatingTip(i));
-    return {{Tissue::kBone, bone}, {Tissue::kCartilage, cartilage}};
+    return {{Tissue::kBone, bone}, {Tissue::kCartilage, cartilage()}};
   }
 
  private:
-  // Front surface of the sternum at a height, on the line from IJ to PX.
-  double sternumX(double z) const {
-    const Vector3d top = anatomy_.landmark("suprasternal_notch_IJ");
-    const Vector3d low = anatomy_.landmark("xiphoid_PX");
-    return top.x() + (low.x() - top.x()) * (top.z() - z) / (top.z() - low.z());
+  // Height of the sternum's middle surface above the plane through IJ and PX, whose front it lies
+  // behind but for the forward bend at the sternal angle; half its thickness [mm].
+  static double bend(double z) {
+    const double angle = z > 116 ? std::max(0.0, (164 - z) / 48) : std::min(1.0, z / 80);
+    return -5 + 4.5 * angle;
+  }
+  static double halfThickness(double z) {
+    const double manubrium = std::clamp((z - 112) / 8, 0.0, 1.0);
+    const double xiphoid = std::clamp((27 - z) / 6, 0.0, 1.0);
+    double t = 4.6 + 1.2 * manubrium - 1.8 * xiphoid + 1.2 * std::clamp((z - 130) / 25, 0.0, 1.0);
+    const auto line = [&](double at, double width) {
+      return std::exp(-std::pow((z - at) / width, 2));
+    };
+    t += 0.7 * line(116, 5) - 2.2 * line(116, 1.4) - 1.2 * line(26, 1.4);  // joints
+    return t + 0.7 * (line(92, 2.5) + line(70, 2.5) + line(51, 2.5));      // where its parts fused
   }
 
-  // Point of the oval of rib i where the angle from the rear is `angle`; z is not set.
-  static Vector3d oval(const RibCourse& c, double angle) {
-    const bool back = angle < EIGEN_PI / 2;
-    const double e = 2 / (back ? kBackPower : kFrontPower);
-    const double cosine = std::pow(std::abs(std::cos(angle)), e);
-    return pointMm(c.x_wide + (back ? (c.x_back - c.x_wide) : (c.x_front - c.x_wide)) * cosine,
-                   c.half_breadth * std::pow(std::sin(angle), e), 0);
+  // Point of the sternum's middle surface [mm -> m].
+  Vector3d onSternum(double y, double z) const {
+    return sternum_ * Vector3d(scale_ * Vector3d(bend(z), y, z));
   }
 
-  // Angle of the oval at a given y, behind or in front of the widest place.
-  static double ovalAngle(const RibCourse& c, double y, bool back) {
-    const double s =
-        std::pow(std::min(1.0, y * 1e3 / c.half_breadth), (back ? kBackPower : kFrontPower) / 2);
-    return back ? std::asin(s) : EIGEN_PI - std::asin(s);
+  TriMesh sternum() const {
+    // Left half of the outline from the tip up: xiphoid, body, manubrium with the notches for the
+    // ribs and the clavicle.
+    const std::vector<Vector2d> left = {
+        {2.5, 0.5},  {4.5, 5},    {6, 14},     {7.5, 21},   {10, 24.5},  {13.5, 29},  {16.3, 34},
+        {16.8, 38},  {19.5, 43},  {19.2, 50},  {19.8, 54},  {19.5, 61},  {17.8, 69},  {18, 73},
+        {17.2, 82},  {15.8, 91},  {16.2, 95},  {15.5, 104}, {16.3, 111}, {16.6, 116}, {17.8, 120},
+        {20, 126},   {25, 133},   {28.5, 138}, {29.5, 145}, {27.5, 150}, {24, 153.5}, {21, 158.5},
+        {19.5, 165}, {15.5, 168}, {9, 164.5},  {3, 162.8}};
+    std::vector<Vector2d> outline;
+    for (auto it = left.rbegin(); it != left.rend(); ++it) outline.push_back({-it->x(), it->y()});
+    outline.insert(outline.end(), left.begin(), left.end());
+    // Counter-clockwise: up on the right side of the picture, which is the body's left.
+    std::rotate(outline.begin(), outline.begin() + left.size(), outline.end());
+    Sheet sheet;
+    sheet.frame = Eigen::Isometry3d::Identity();
+    sheet.frame.linear() << Vector3d::UnitY(), Vector3d::UnitZ(), Vector3d::UnitX();
+    sheet.outline = smoothOutline(outline, 3);
+    sheet.middle = [](double, double z) { return bend(z); };
+    sheet.half_thickness = [](double y, double z, double) {
+      const double notch = z > 150 ? 0.03 * std::abs(y) : 0;  // thick at the clavicles
+      return halfThickness(z) + notch;
+    };
+    sheet.max_height = 9;
+    sheet.max_half_thickness = 9;
+    Blend s;
+    s.unite(sheetSolid(sheet), 0);
+    // Faces for the clavicles.
+    s.carvePair(ellipsoidSolid({-5, 33.5, 164}, {14, 12, 13}), 2);
+    TriMesh mesh = surface(s, 1.3, 1700, true, true);
+    for (Vector3d& v : mesh.vertices) v = sternum_ * Vector3d(scale_ * v);
+    return mesh;
   }
 
-  // Middle line: head, neck, tubercle, angle and on round to the front end.
-  std::vector<Vector3d> middleLine(int i) const {
-    const RibCourse& c = kCourse[i];
-    const std::string level = "T" + std::to_string(i + 1);
-    const Eigen::Isometry3d frame = anatomy_.vertebra(level).frame();
-    Vector3d head = Vector3d::Zero(), tubercle = Vector3d::Zero();
-    bool has_tubercle = false;
-    for (const CostalJoint& j : anatomy_.costal_joints) {
-      if (j.level != level) continue;
-      (j.costotransverse ? tubercle : head) = frame * j.position;
-      has_tubercle |= j.costotransverse;
-    }
-    std::vector<Vector3d> line;
-    // The head's middle lies beside the joint, clear of the body.
-    line.push_back(head + pointMm(-1, i == 0 ? 9.5 : 6.5, 0));
-    if (has_tubercle) {
-      line.push_back(0.5 * (head + tubercle) + pointMm(1.5, 5, 0));
-      line.push_back(tubercle + pointMm(3.5, 4.5, 0));
-    } else {
-      tubercle = head + pointMm(-22, 24, -5);
-      line.push_back(head + pointMm(-9, 15, -2));
-    }
-    const double y_angle = std::min(tubercle.y() + 22_mm + 1.2_mm * i, 0.75e-3 * c.half_breadth);
-    const double first = ovalAngle(c, y_angle, true);
-    const double last = ovalAngle(c, c.y_end * 1e-3, i >= 11);
-    const double z_angle = tubercle.z() - 4_mm - 0.9_mm * i, z_end = c.z_end * 1e-3;
-    constexpr int kSteps = 7;
-    for (int k = 0; k <= kSteps; k++) {
-      const double s = k / double(kSteps);
-      Vector3d p = oval(c, first + s * (last - first));
-      p.z() = z_angle + (z_end - z_angle) * s;
-      line.push_back(p);
-    }
-    return line;
-  }
-
-  TriMesh rib(int i) const {
-    const std::vector<Vector3d> line = middleLine(i);
-    const int n = static_cast<int>(line.size());
-    std::vector<Section> sections;
-    for (int k = 0; k < n; k++) {
-      const double s = k / (n - 1.0);
-      Section section{line[k], 3.1_mm, 5.6_mm};
-      if (k == 0) section.side = section.up = 4.2_mm;  // head
-      if (k == 1) section.side = 2.9_mm, section.up = 4.2_mm;
-      if (i > 0 && s > 0.75) section.up = 6.4_mm;
-      if (i >= 10) section.up *= s > 0.8 ? 0.75 : 0.9;
-      if (i == 0 && k > 2) section.side = 7.0_mm, section.up = 2.6_mm;  // a flat, broad rib
-      if (i == 1 && k > 1) section.side = 4.2_mm, section.up = 4.6_mm;
-      // The upper edge leans towards the axis of the thorax, which narrows upwards.
-      const Vector3d inward = Vector3d(kCourse[i].x_wide * 1e-3 - line[k].x(), -line[k].y(), 0);
-      const double lean = k < 3 ? 0 : std::max(0.0, 0.45 - 0.06 * i);
-      section.up_direction = Vector3d::UnitZ() + lean * inward.normalized();
-      sections.push_back(section);
-    }
-    TubeStyle style;
-    style.sides = 7;
-    style.steps = 2;
-    style.squareness = 2.2;
-    return tube(sections, style);
-  }
-
-  Vector3d ribEnd(int i) const { return middleLine(i).back(); }
-
+  // Middle line of a costal cartilage: on in the rib's heading, then up to its end.
   std::vector<Vector3d> cartilageLine(int i) const {
-    const Vector3d from = ribEnd(i);
-    const std::vector<Vector3d> rib = middleLine(i);
-    const Vector3d heading = (rib[rib.size() - 1] - rib[rib.size() - 2]).normalized();
-    Vector3d to;
-    double bend;  // how far it runs on in the rib's heading before it turns up
-    if (i < kTrueRibs) {
-      const double z = kSternalEnd[i][1] * 1e-3;
-      to = Vector3d(sternumX(z) - 7_mm, kSternalEnd[i][0] * 1e-3 - 2_mm, z);
-      bend = 0.42;
-    } else {
-      const std::vector<Vector3d> above = cartilageLine(i - 1);
-      to = curveAt(above, i == kTrueRibs ? 2.3 : 1.9) - pointMm(0, 0, 5);
-      bend = 0.42;
-    }
-    const double length = (to - from).norm();
-    const Vector3d corner = from + bend * length * heading;
+    const Vector3d from = ribs_.point(i, 1), heading = ribs_.heading(i, 0.99);
+    const Vector3d to = i < kTrueRibs ? onSternum(kSternalEnd[i][0] - 1.5, kSternalEnd[i][1])
+                                      : curveAt(cartilageLine(i - 1), i == kTrueRibs ? 3.4 : 2.9);
+    const Vector3d corner = from + 0.45 * (to - from).norm() * heading;
     std::vector<Vector3d> line;  // a parabola with that corner
-    for (double t : {0.0, 0.22, 0.42, 0.62, 0.82, 1.0}) {
+    for (int k = 0; k <= 6; k++) {
+      const double t = k / 6.0;
       line.push_back((1 - t) * (1 - t) * from + 2 * t * (1 - t) * corner + t * t * to);
     }
     return line;
   }
 
-  TriMesh costalCartilage(int i) const {
-    const std::vector<Vector3d> line = cartilageLine(i);
+  // Bar from the end of a rib to the sternum, to the cartilage above or, of the last two, to a tip.
+  Solid costalCartilage(int i) const {
+    const RibSection end = ribEndSection(i);
     std::vector<Section> sections;
-    for (size_t k = 0; k < line.size(); k++) {
-      const double up = i == 0 ? 4.5_mm : k + 1 < line.size() ? 5.6_mm : 4.6_mm;
-      sections.push_back({line[k], i == 0 ? 5.0_mm : 3.9_mm, up});
+    if (i < kFalseRibs) {
+      const std::vector<Vector3d> line = cartilageLine(i);
+      const double narrow = i == 0 ? 5.5_mm : i < kTrueRibs ? 4.6_mm : 3.6_mm;
+      for (std::size_t k = 0; k < line.size(); k++) {
+        // It starts within the rib's end, which is a little wider.
+        const double t = k / (line.size() - 1.0);
+        sections.push_back({line[k], (1 - t) * 0.88 * end.height + t * narrow,
+                            (1 - t) * 0.88 * end.thickness + t * 3.4_mm});
+      }
+    } else {
+      const Vector3d from = ribs_.point(i, 1), heading = ribs_.heading(i, 0.99);
+      sections = {{from - 1_mm * heading, 0.88 * end.height, 0.88 * end.thickness},
+                  {from + 4_mm * heading, 0.75 * end.height, 0.75 * end.thickness},
+                  {from + 9_mm * heading, 0.4 * end.height, 0.4 * end.thickness}};
     }
-    TubeStyle style;
-    style.sides = 7;
-    style.steps = 1;
-    return tube(sections, style);
+    // The section's "up" is its thickness, out of the thorax.
+    return bar(sections, ribs_.outward(i, 0.97), 2);
   }
 
-  TriMesh floatingTip(int i) const {
-    const std::vector<Vector3d> line = middleLine(i);
-    const Vector3d end = line.back();
-    const Vector3d heading = (end - line[line.size() - 2]).normalized();
-    TubeStyle style;
-    style.sides = 8;
-    style.steps = 1;
-    return tube({{end - 1_mm * heading, 2.9_mm, 4.2_mm}, {end + 9_mm * heading, 1.8_mm, 2.6_mm}},
-                style);
-  }
-
-  TriMesh sternum() const {
-    const Vector3d top = anatomy_.landmark("suprasternal_notch_IJ");
-    const Vector3d low = anatomy_.landmark("xiphoid_PX");
-    const Vector3d down = (low - top).normalized();
-    TubeStyle style;
-    style.up = Vector3d::UnitY().cross(down);  // to the rear or the front, across the plate
-    style.sides = 16;
-    style.steps = 2;
-    style.squareness = 2.8;
-    style.cap = 0.25;
-    // Half width and half thickness at a height; the middle lies half a thickness behind the front.
-    const auto at = [&](double z, double half_width, double half_thickness) {
-      return Section{Vector3d(sternumX(z * 1e-3) - half_thickness * 1e-3, 0, z * 1e-3),
-                     half_width * 1e-3, half_thickness * 1e-3};
-    };
+  TriMesh cartilage() const {
     TriMesh mesh;
-    // Manubrium; its upper edge is notched between the clavicles, so the corners are parts of
-    // their own.
-    append(mesh, tube({at(405, 22, 6), at(396, 28, 7), at(386, 29, 6.5), at(374, 21, 5.5),
-                       at(364, 17, 5)},
-                      style));
-    appendPair(mesh, ellipsoid(Vector3d(sternumX(0.400) - 7_mm, 22_mm, 0.401),
-                               Vector3d(7.5_mm, 9_mm, 8_mm), Eigen::Matrix3d::Identity(), 10));
-    append(mesh, tube({at(361, 16.5, 5.3), at(340, 16, 5), at(318, 18.5, 5), at(298, 20.5, 5),
-                       at(282, 18, 4.8), at(271, 11, 4.2)},
-                      style));
-    style.sides = 10;
-    const double tip = low.z() * 1e3;
-    append(mesh, tube({at(273, 8, 3.2), at(tip + 10, 7, 2.8), at(tip + 1, 3.5, 2.2)}, style));
+    // Those that end on one another are one piece.
+    constexpr int kFirstJoined = 6;
+    constexpr double kVoxel = 1.4_mm, kFillet = 4_mm;
+    Blend joined;
+    for (int i = 0; i < kRibs; i++) {
+      if (i >= kFirstJoined && i < kFalseRibs) {
+        joined.unite(costalCartilage(i), i > kTrueRibs ? kFillet : 1.5_mm);
+        continue;
+      }
+      Blend alone;
+      alone.unite(costalCartilage(i), 0);
+      appendPair(mesh, surface(alone, kVoxel, i < kFirstJoined ? 170 : 60, false, true));
+    }
+    appendPair(mesh, surface(joined, kVoxel, 1000, false, true));
     return mesh;
   }
 
-  const Anatomy& anatomy_;
+  const RibLines ribs_;
+  double scale_;
+  Eigen::Isometry3d sternum_ = Eigen::Isometry3d::Identity();
 };
 
 }  // namespace

@@ -348,11 +348,34 @@ TriMesh largestPart(const TriMesh& mesh) {
   return parts.empty() ? mesh : *std::max_element(parts.begin(), parts.end(), fewer);
 }
 
-TriMesh thinned(const Field& field, const FuseOptions& options, bool one_part) {
-  TriMesh surface = one_part ? largestPart(field.surface()) : field.surface();
-  field.relax(surface, options.symmetric);
-  if (!options.symmetric) return simplified(surface, options.max_faces);
-  return joinedWithMirror(simplified(surface, options.max_faces / 2));
+// Vertices back to the surface, each a little towards the middle of its neighbours.
+void settle(const Blend& solid, double voxel, bool symmetric, TriMesh& mesh) {
+  const std::size_t n = mesh.vertices.size();
+  const double step = 0.25 * voxel, far = 2 * voxel;
+  for (int pass = 0; pass < 2; pass++) {
+    std::vector<Vector3d> sum(n, Vector3d::Zero());
+    std::vector<int> count(n, 0);
+    for (const auto& f : mesh.faces) {
+      for (int k = 0; k < 3; k++) {
+        sum[f[k]] += mesh.vertices[f[(k + 1) % 3]] + mesh.vertices[f[(k + 2) % 3]];
+        count[f[k]] += 2;
+      }
+    }
+    for (std::size_t i = 0; i < n; i++) {
+      const Vector3d was = mesh.vertices[i];
+      const bool border = symmetric && was.y() == 0;
+      Vector3d v = was + 0.15 * (sum[i] / count[i] - was);
+      if (border) v.y() = 0;
+      const double d = solid.distance(v, far);
+      Vector3d gradient;
+      for (int k = 0; k < 3; k++) {
+        gradient[k] = (solid.distance(v + step * Vector3d::Unit(k), far) - d) / step;
+      }
+      if (border) gradient.y() = 0;
+      if (gradient.squaredNorm() > 0.05) v -= d / gradient.squaredNorm() * gradient;
+      if ((v - was).norm() < 1.5 * voxel) mesh.vertices[i] = v;
+    }
+  }
 }
 
 }  // namespace
@@ -400,14 +423,20 @@ TriMesh fuse(const TriMesh& shells, const FuseOptions& options, const TriMesh& c
   for (const TriMesh& shell : connectedParts(shells)) field.add(shell);
   for (const TriMesh& shell : connectedParts(cut)) field.add(shell, true);
   for (int i = 0; i < options.smoothing; i++) field.smooth(options.symmetric);
-  return thinned(field, options, false);
+  TriMesh surface = field.surface();
+  field.relax(surface, options.symmetric);
+  if (!options.symmetric) return simplified(surface, options.max_faces);
+  return joinedWithMirror(simplified(surface, options.max_faces / 2));
 }
 
-TriMesh surface(const Blend& solid, double voxel, int max_faces, bool symmetric) {
-  const FuseOptions options = {voxel, 0, max_faces, 0, symmetric};
-  Field field(solid.box(), options);
+TriMesh surface(const Blend& solid, double voxel, int max_faces, bool symmetric, bool even) {
+  Field field(solid.box(), {voxel, 0, max_faces, 0, symmetric});
   field.sample(solid);
-  return thinned(field, options, true);
+  TriMesh mesh = largestPart(field.surface());
+  field.relax(mesh, symmetric);
+  mesh = simplified(mesh, symmetric ? max_faces / 2 : max_faces);
+  if (even) settle(solid, voxel, symmetric, mesh);
+  return symmetric ? joinedWithMirror(mesh) : mesh;
 }
 
 }  // namespace torso

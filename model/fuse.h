@@ -31,8 +31,9 @@ TriMesh surfaceOf(const std::function<double(const Eigen::Vector3d&)>& distance,
                   const Eigen::AlignedBox3d& box, const FuseOptions& options);
 
 // The surface of a solid (of its largest part), on a grid of nodes `voxel` apart [m]; max_faces and
-// symmetric as above. Shapes thinner than two voxels are lost.
-TriMesh surface(const Blend& solid, double voxel, int max_faces, bool symmetric);
+// symmetric as above. Shapes thinner than two voxels are lost. Thinning leaves edges rough, half a
+// millimetre or less; `even` smooths them, and takes as much from their size.
+TriMesh surface(const Blend& solid, double voxel, int max_faces, bool symmetric, bool even = false);
 
 // The connected parts of a mesh.
 std::vector<TriMesh> connectedParts(const TriMesh& mesh);

@@ -140,6 +140,16 @@ class Simplifier {
     if (shared_faces == 0 || shared != shared_faces) return;
     if (border_[c.a] && border_[c.b] && shared_faces != 1) return;
     if (na.size() + nb.size() < 8) return;
+    // Two vertices on the open edge may only be joined along it: the mirror image has them, too.
+    if (border_[c.a] != border_[c.b]) {
+      const std::vector<int>&inner = border_[c.a] ? nb : na, &outer = border_[c.a] ? na : nb;
+      for (int i : inner) {
+        if (border_[i] && i != c.a && i != c.b &&
+            !std::binary_search(outer.begin(), outer.end(), i)) {
+          return;
+        }
+      }
+    }
     for (int end : {c.a, c.b}) {
       for (int i : faces_of_[end]) {
         if (contains(i, c.a) && contains(i, c.b)) continue;

@@ -185,10 +185,14 @@ Solid outlinePlate(const Isometry3d& frame, const std::vector<Vector2d>& outline
 
 void Blend::unite(const Solid& solid, double fillet) {
   steps_.push_back({solid, fillet, false});
+  largest_fillet_ = std::max(largest_fillet_, fillet);
   box_.extend(solid.box);
 }
 
-void Blend::carve(const Solid& solid, double fillet) { steps_.push_back({solid, fillet, true}); }
+void Blend::carve(const Solid& solid, double fillet) {
+  steps_.push_back({solid, fillet, true});
+  largest_fillet_ = std::max(largest_fillet_, fillet);
+}
 
 void Blend::unitePair(const Solid& left, double fillet) {
   unite(left, fillet);
@@ -203,11 +207,13 @@ void Blend::carvePair(const Solid& left, double fillet) {
 double Blend::distance(const Vector3d& p, double far) const {
   double d = std::numeric_limits<double>::infinity();
   for (const Step& s : steps_) {
-    // Half the fillet's size is the most that a shape at that distance can do.
-    const double off = s.solid.box.exteriorDistance(p);
+    // Half the fillet's size is the most that a shape at that distance can do. Away from their
+    // surface shapes' distances may be too small, by this factor.
+    constexpr double kShort = 0.6;
+    const double off = kShort * s.solid.box.exteriorDistance(p);
     if (s.carve) {
       if (off < s.fillet - d) d = smoothMax(d, -s.solid.distance(p), s.fillet);
-    } else if (off > far + s.fillet) {
+    } else if (off > far + largest_fillet_) {
       d = std::min(d, off);
     } else if (off < d + s.fillet) {
       d = smoothMin(d, s.solid.distance(p), s.fillet);

@@ -64,6 +64,7 @@ class Blend {
   };
   std::vector<Step> steps_;
   Eigen::AlignedBox3d box_;
+  double largest_fillet_ = 0;
 };
 
 }  // namespace torso
