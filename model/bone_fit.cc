@@ -132,11 +132,16 @@ class Checker {
       double least = kInfinity;
       for (const Vector3d& p : makeDiscMesh(d.shape).rest_positions) {
         if (std::abs(p.z()) > 1e-9) continue;
+        const double x = 2 * p.x() / d.shape.depth, y = 2 * p.y() / d.shape.width;
+        if (x * x + y * y > 0.7) continue;  // beside it rise the neck's uncinate processes
         const double height =
             d.shape.height_posterior +
             (d.shape.height_anterior - d.shape.height_posterior) * (p.x() / d.shape.depth + 0.5);
         const Vector3d q = d.frame * p;
-        const double room = std::min(below.signedDistance(q), above.signedDistance(q));
+        const Vector3d up = d.frame.linear().col(2);
+        const bool free = below.windingNumber(q) == 0 && above.windingNumber(q) == 0;
+        const double room =
+            free ? std::min(below.castRay(q, -up).distance, above.castRay(q, up).distance) : 0;
         least = std::min(least, room / (height / 2));
       }
       return Checks{length("disc_gap", d.name, gap, 0, 0.5 * mm_),
@@ -319,8 +324,8 @@ class Checker {
         largest = std::max(largest, surface - rib);
       }
     }
-    out.push_back(length("scapula_ellipsoid", f.name + " nearest", least, 0, 25 * mm_));
-    out.push_back(length("scapula_ellipsoid", f.name + " furthest", largest, 0, 25 * mm_));
+    out.push_back(length("scapula_ellipsoid", f.name + " nearest", least, 0, 20 * mm_));
+    out.push_back(length("scapula_ellipsoid", f.name + " furthest", largest, 0, 35 * mm_));
     return out;
   }
 

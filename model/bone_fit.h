@@ -31,7 +31,8 @@ struct FitCheck {
 //   canal: room about the line through the middles of the vertebral canals, 5 mm at least.
 //   foramen: radius of the largest ball in the intervertebral foramen, 2 mm at least, with a free
 //     way in and out.
-//   disc_space: what lies free at half height of a disc, over half its height, at least 0.8.
+//   disc_space: what lies free at half height of a disc, over half its height, at least 0.8,
+//     but for its outer part.
 //   disc_gap, disc_overlap: of the disc's faces, corners and middles of the faces of its mesh, from
 //     the endplates, below 0.5 mm.
 //   ligament: distance of an attachment from the surface of the bone, where the ligament's name
@@ -39,7 +40,8 @@ struct FitCheck {
 //   facet_points: distance of the points from the inferior articular face, below 1 mm.
 //   facet_ellipsoid: how far the superior articular face stands out of the ellipsoid, below 0.5 mm.
 //   scapula_points: distance of the points from the costal surface of the scapula, below 1.5 mm.
-//   scapula_ellipsoid: room between the ribs and the ellipsoid behind them, 0 to 25 mm: muscles.
+//   scapula_ellipsoid: room between the ribs and the ellipsoid behind them, for serratus anterior
+//     and subscapularis: 0 to 20 mm where it is least, up to 35 mm where the ribs fall away.
 // Lengths of the bounds are for a body of the tables' size. Uses up to `threads` threads.
 std::vector<FitCheck> checkFit(const Anatomy& anatomy, const Skeleton& skeleton, int threads);
 

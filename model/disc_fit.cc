@@ -24,7 +24,14 @@ std::vector<Vector3d> waysToBone(const DiscMesh& mesh, const std::vector<int>& n
   for (std::size_t i = 0; i < nodes.size(); i++) {
     const Vector3d& p = mesh.rest_positions[nodes[i]];
     if (p.y() < -kMiddle) continue;
-    const MeshTree::Nearest nearest = bone.nearest(frame * p);
+    const Vector3d q = frame * p;
+    if (bone.windingNumber(q) > 0) {  // out along the axis, into the disc
+      const Vector3d axis = frame.linear().col(2) * (p.z() < 0 ? 1 : -1);
+      const double inside = bone.castRay(q, axis).distance;
+      if (inside <= reach) ways[i].z() = p.z() < 0 ? inside : -inside;
+      continue;
+    }
+    const MeshTree::Nearest nearest = bone.nearest(q);
     if (nearest.distance > reach) continue;
     ways[i] =
         std::max(0.0, 1 - kCartilage / nearest.distance) * (frame.inverse() * nearest.point - p);

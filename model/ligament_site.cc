@@ -127,9 +127,9 @@ bool onSite(const Anatomy& anatomy, const std::string& level, const std::string&
     // On the laminae, down to their roots at the pedicles.
     return x < -depth / 2 + 0.3 * (canal_back + depth / 2) && x > canal_back - 8 * mm && y > 1 * mm;
   }
-  if (starts("CL_")) return x < -depth / 2 && y > 5 * mm;
+  if (starts("CL_")) return x < -depth / 2 + 4 * mm && y > 5 * mm;
   if (starts("ISL")) return y < 2 * mm && behind_canal;
-  if (starts("SSL")) return y < 2 * mm && x < canal_back - 4 * mm;
+  if (starts("SSL")) return y < 2 * mm && x < canal_back - (sacrum ? 0 : 4 * mm);
   if (starts("ITL_tip")) return y > 0.75 * reach;
   if (starts("ITL_base")) return y > 0.45 * reach && y < 0.8 * reach;
   throw std::runtime_error("anatomy: nothing is known about the sites of ligament '" + ligament +
