@@ -1,6 +1,8 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "tools/graft.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -59,6 +61,14 @@ void Grafter::fit() {
   }
   if (removed <= 0) fail("the trunk has no mass");
   report_.mass_scale = removed / made;
+  // Far from a human's size or density steps and stiffnesses of the tables mean nothing.
+  const double density = report_.mass_scale / std::pow(report_.length_scale, 3);
+  if (!(report_.length_scale > 0.2 && report_.length_scale < 5 && density > 0.02 && density < 50)) {
+    fail(
+        fmt::format("the trunk, {:.3g} m from hips to shoulders and {:.3g} kg, is not a human's; "
+                    "are its units metres and kilograms?",
+                    report_.hip_to_shoulder_before, removed));
+  }
   report_.mass_before = mj_getTotalmass(m);
   a_ = table_size_.scaled(report_.length_scale, report_.mass_scale);
 
@@ -188,7 +198,11 @@ GraftReport Grafter::run() {
     try {
       m = loadModel(staged);
     } catch (const Error& e) {
-      fail(std::string("the grafted model does not load: ") + e.what());
+      const std::string what = e.what();
+      fail("the grafted model does not load: " + what +
+           (what.find("Rank-def") == std::string::npos
+                ? ""
+                : "; are two joints of a limb about one axis, without armature?"));
     }
     excludeOverlaps(m.get());
     writeKeyframes(m.get());

@@ -23,7 +23,9 @@ struct GraftOptions {
 
 // One element of the humanoid or of our torso that is not as it was.
 struct GraftChange {
-  std::string action;  // "removed", "replaced", "moved", "changed", "renamed", "added"
+  // "removed", "replaced", "moved", "changed", "renamed", "added", "kept" although it is slow, or
+  // "unneeded": not added
+  std::string action;
   std::string kind;    // "body", "actuator", ..., or the section of the MJCF
   std::string name;
   std::string detail;

@@ -9,6 +9,7 @@
 
 #include "tools/error.h"
 #include "tools/graft_host.h"
+#include "tools/graft_limb_pairs.h"
 
 namespace torso::tools {
 namespace {
@@ -17,36 +18,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 Vector3d vector3(const mjtNum* x) { return {x[0], x[1], x[2]}; }
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-int countWords(const std::string& text, std::initializer_list<const char*> words) {
-  return static_cast<int>(std::count_if(words.begin(), words.end(), [&](const char* word) {
-    return text.find(word) != std::string::npos;
-  }));
-}
-
-bool isClavicle(const std::string& name) {
-  return countWords(lower(name), {"clav", "collar", "thorax", "scap"}) > 0;
-}
-
-// -1: a is on the left of b by their names ("l_leg", "r_leg"), 1: on the right, 0: they do not say.
-int sideByName(const std::string& a, const std::string& b) {
-  const std::string x = lower(a), y = lower(b);
-  const std::size_t i = static_cast<std::size_t>(
-      std::mismatch(x.begin(), x.end(), y.begin(), y.end()).first - x.begin());
-  const std::string p = x.substr(i), q = y.substr(i);
-  const auto pair = [](const std::string& left, const std::string& right) {
-    return (left.rfind("left", 0) == 0 && right.rfind("right", 0) == 0 &&
-            left.substr(4) == right.substr(5)) ||
-           (left.rfind("l", 0) == 0 && right.rfind("r", 0) == 0 &&
-            left.substr(1) == right.substr(1));
-  };
-  return pair(p, q) ? -1 : pair(q, p) ? 1 : 0;
-}
 
 constexpr const char* kMapLimbs =
     "; name 'left_thigh', 'right_thigh', 'left_upper_arm' and 'right_upper_arm' in a --map";
@@ -67,12 +38,6 @@ TrunkPart nearestEnd(TrunkPart part) {
                                                                  : TrunkPart::kChest;
 }
 
-struct LimbPair {
-  std::array<int, 2> body;  // siblings, in the order of the file
-  int leg_words;            // words for legs less words for arms among its names
-  double mass;
-};
-
 class Recogniser {
  public:
   Recogniser(const Host& host, const BodyMap& map) : host_(host), map_(map), m_(host.model.get()) {}
@@ -81,13 +46,8 @@ class Recogniser {
  private:
   [[noreturn]] void fail(const std::string& what) const { throw Error(host_.path + ": " + what); }
   std::string name(int body) const { return "'" + host_.bodyName(body) + "'"; }
-  std::vector<int> below(int body) const;
-  bool mirror(int a, int b) const;
-  std::vector<LimbPair> limbPairs(int root) const;
-  int legWords(int limb) const;
   // The first body of a limb that is no part of the trunk.
   int limbStart(int body, bool arm) const;
-  int heaviestChild(int body) const;
   // True if names say which side is left.
   bool orderSides(const LimbPair& legs, const LimbPair& arms, HostParts& parts) const;
   void nameTrunk(int pelvis, int chest, HostParts& parts);
@@ -109,79 +69,9 @@ class Recogniser {
   std::string leg_sureness_, leg_reason_, arm_sureness_, arm_reason_, head_sureness_, head_reason_;
 };
 
-std::vector<int> Recogniser::below(int body) const {
-  std::vector<int> bodies;
-  for (int b = body; b < m_->nbody; b++) {
-    if (host_.isBelow(b, body)) bodies.push_back(b);
-  }
-  return bodies;
-}
-
-bool Recogniser::mirror(int a, int b) const {
-  int dof[2] = {0, 0};
-  std::size_t count[2] = {0, 0};
-  for (int k = 0; k < 2; k++) {
-    const std::vector<int> bodies = below(k ? b : a);
-    count[k] = bodies.size();
-    for (int body : bodies) dof[k] += m_->body_dofnum[body];
-  }
-  if (std::min(count[0], count[1]) < 2 || std::min(dof[0], dof[1]) < 3) return false;
-  const double x = m_->body_subtreemass[a], y = m_->body_subtreemass[b];
-  return sideByName(host_.bodyName(a), host_.bodyName(b)) != 0 ||
-         (count[0] == count[1] && std::abs(x - y) < 0.05 * (x + y));
-}
-
-int Recogniser::legWords(int limb) const {
-  int words = 0;
-  for (int b : below(limb)) {
-    std::string names = host_.bodyName(b);
-    for (int j = 0; j < m_->body_jntnum[b]; j++) {
-      names += " " + nameOf(m_, mjOBJ_JOINT, m_->body_jntadr[b] + j);
-    }
-    names = lower(names);
-    words += countWords(
-        names, {"thigh", "hip", "femur", "leg", "knee", "shin", "tibia", "foot", "ankle", "toe"});
-    words -= countWords(names, {"arm", "shoulder", "humerus", "elbow", "clav", "collar", "wrist",
-                                "hand", "radius"});
-  }
-  return words;
-}
-
-std::vector<LimbPair> Recogniser::limbPairs(int root) const {
-  std::vector<LimbPair> pairs;
-  for (int parent : below(root)) {
-    const bool in_limb = std::any_of(pairs.begin(), pairs.end(), [&](const LimbPair& p) {
-      return host_.isBelow(parent, p.body[0]) || host_.isBelow(parent, p.body[1]);
-    });
-    if (in_limb) continue;
-    std::vector<int> children;
-    for (int b : below(parent)) {
-      if (b != parent && m_->body_parentid[b] == parent) children.push_back(b);
-    }
-    for (std::size_t i = 0; i < children.size(); i++) {
-      for (std::size_t k = i + 1; k < children.size(); k++) {
-        const int a = children[i], b = children[k];
-        if (!mirror(a, b)) continue;
-        pairs.push_back(
-            {{a, b}, legWords(a) + legWords(b), m_->body_subtreemass[a] + m_->body_subtreemass[b]});
-      }
-    }
-  }
-  return pairs;
-}
-
-int Recogniser::heaviestChild(int body) const {
-  int best = -1;
-  for (int b : below(body)) {
-    if (b == body || m_->body_parentid[b] != body) continue;
-    if (best < 0 || m_->body_subtreemass[b] > m_->body_subtreemass[best]) best = b;
-  }
-  return best;
-}
-
 int Recogniser::limbStart(int body, bool arm) const {
   while (m_->body_jntnum[body] == 0 || (arm && isClavicle(host_.bodyName(body)))) {
-    const int next = heaviestChild(body);
+    const int next = heaviestChild(host_, body);
     if (next < 0) fail("the limb of " + name(body) + " has no joint" + kMapLimbs);
     body = next;
   }
@@ -204,7 +94,7 @@ bool Recogniser::orderSides(const LimbPair& legs, const LimbPair& arms, HostPart
     const Vector3d up = 0.5 * (at(arm[0]) + at(arm[1]) - at(leg[0]) - at(leg[1]));
     Vector3d forward = Vector3d::Zero();
     for (int b : leg) {
-      while (heaviestChild(b) >= 0) b = heaviestChild(b);
+      while (heaviestChild(host_, b) >= 0) b = heaviestChild(host_, b);
       forward += vector3(host_.data->xipos + 3 * b) - host_.pose(b).translation();
     }
     forward -= forward.dot(up) / up.squaredNorm() * up;
@@ -247,7 +137,7 @@ void Recogniser::nameTrunk(int pelvis, int chest, HostParts& parts) {
   int head = -1, candidates = 0;
   double highest = 0;
   bool by_name = false;
-  for (int b : below(parts.root)) {
+  for (int b : below(host_, parts.root)) {
     if (isLimb(b) || parts.trunk.count(b)) continue;
     const double height = (vector3(host_.data->xipos + 3 * b) - mid_shoulder).dot(up);
     const bool named = countWords(lower(host_.bodyName(b)), {"head", "skull"}) > 0;
@@ -284,7 +174,7 @@ void Recogniser::nameTrunk(int pelvis, int chest, HostParts& parts) {
     }
   }
   applyMap(parts);
-  for (int b : below(parts.root)) {
+  for (int b : below(host_, parts.root)) {
     if (isLimb(b) || parts.trunk.count(b)) continue;
     const auto parent = parts.trunk.find(m_->body_parentid[b]);
     parts.trunk[b] = parent == parts.trunk.end() ? TrunkPart::kPelvis : parent->second;
@@ -364,13 +254,13 @@ void Recogniser::findRoot(HostParts& parts, std::vector<LimbPair>& pairs) const 
     }
   }
   if (parts.root >= 0) {
-    pairs = limbPairs(parts.root);
+    pairs = limbPairs(host_, parts.root);
     return;
   }
   std::vector<int> others;
   for (int b = 1; b < m_->nbody; b++) {
     if (m_->body_parentid[b] != 0) continue;
-    const std::vector<LimbPair> found = limbPairs(b);
+    const std::vector<LimbPair> found = limbPairs(host_, b);
     if (found.size() >= 2) others.push_back(b);
     if (parts.root < 0 || found.size() > pairs.size()) {
       parts.root = b;

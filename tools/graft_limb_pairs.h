@@ -1,0 +1,41 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Pairs of limbs in a tree of bodies, and what their names say.
+
+#include <array>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "tools/graft_host.h"
+
+namespace torso::tools {
+
+// Two children of one body that mirror each other by name, or by number of bodies and mass.
+struct LimbPair {
+  std::array<int, 2> body;  // siblings, in the order of the file
+  int leg_words;            // words for legs less words for arms among its names
+  double mass;
+};
+
+// The pairs below a body, none inside the limb of another.
+std::vector<LimbPair> limbPairs(const Host& host, int root);
+
+// A body and all below it, by id.
+std::vector<int> below(const Host& host, int body);
+
+// The child with the heaviest subtree, -1 if there is none.
+int heaviestChild(const Host& host, int body);
+
+std::string lower(std::string text);
+
+// How many of the words are in a text.
+int countWords(const std::string& text, std::initializer_list<const char*> words);
+
+bool isClavicle(const std::string& name);
+
+// -1: a is on the left of b by their names ("l_leg", "r_leg"), 1: on the right, 0: they do not say.
+int sideByName(const std::string& a, const std::string& b);
+
+}  // namespace torso::tools
