@@ -33,6 +33,43 @@ void Grafter::checkSettings() {
   });
 }
 
+// What the compiler does to masses and inertias it would do to ours, too: vertebrae are lighter
+// than usual bounds. So the humanoid's bodies get what it had made of them, and it stops.
+void Grafter::freezeInertias() {
+  XMLElement* root = host_.root;
+  std::string set;
+  for (const char* attribute : {"boundmass", "boundinertia", "settotalmass", "balanceinertia"}) {
+    const std::string value = setting(root, "compiler", attribute);
+    if (value.empty() || value == "false" || std::atof(value.c_str()) < 0) continue;
+    setSetting(root, "compiler", attribute,
+               attribute == std::string("balanceinertia") ? "false"
+               : attribute == std::string("settotalmass") ? "-1"
+                                                          : "0");
+    set += std::string(set.empty() ? "" : ", ") + attribute;
+  }
+  if (set.empty()) return;
+  note("changed", "compiler", set,
+       "no longer, for it would change the torso; the humanoid's bodies have what it made of them "
+       "as their <inertial>");
+  const mjModel* m = host_.model.get();
+  for (int b = 1; b < m->nbody; b++) {
+    if (parts_.trunk.count(b) || m->body_mass[b] <= 0) continue;
+    XMLElement* e = host_.bodies[b];
+    if (XMLElement* old = e->FirstChildElement("inertial")) e->DeleteChild(old);
+    const mjtNum *p = m->body_ipos + 3 * b, *q = m->body_iquat + 4 * b,
+                 *inertia = m->body_inertia + 3 * b;
+    XMLElement* inertial = e->GetDocument()->NewElement("inertial");
+    e->InsertFirstChild(inertial);
+    inertial->SetAttribute("pos", fmt::format("{:.9g} {:.9g} {:.9g}", p[0], p[1], p[2]).c_str());
+    inertial->SetAttribute(
+        "quat", fmt::format("{:.9g} {:.9g} {:.9g} {:.9g}", q[0], q[1], q[2], q[3]).c_str());
+    inertial->SetAttribute("mass", fmt::format("{:.9g}", m->body_mass[b]).c_str());
+    inertial->SetAttribute(
+        "diaginertia",
+        fmt::format("{:.9g} {:.9g} {:.9g}", inertia[0], inertia[1], inertia[2]).c_str());
+  }
+}
+
 void Grafter::mergeSettings() {
   XMLElement* root = host_.root;
   const auto change = [&](const char* tag, const char* attribute, const std::string& value,
@@ -101,6 +138,7 @@ void Grafter::mergeSettings() {
     forEachSection(root, "worldbody", clean);
     for (int k = 0; k < 4; k++) clean(limbs_[k]);
   }
+  freezeInertias();
 }
 
 }  // namespace torso::tools

@@ -60,6 +60,7 @@ class Grafter {
   // graft_settings.cc: compiler, option, size
   void checkSettings();
   void mergeSettings();
+  void freezeInertias();
 
   // graft_defaults.cc
   void isolateDefaults();

@@ -124,7 +124,7 @@ inline std::string waistDownHumanoid() {
 // radians; position servos; childclass; sides L_ and R_.
 inline std::string pelvisUpHumanoid() {
   return R"(<mujoco model="pelvis_up">
-  <compiler angle="radian" autolimits="true"/>
+  <compiler angle="radian" autolimits="true" boundmass="0.3" boundinertia="0.002"/>
   <option timestep="0.001" solver="PGS"/>
   <default>
     <default class="walker">
