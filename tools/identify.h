@@ -36,7 +36,8 @@ struct Identification {
 // and it would stand between the segment and one of the poses. That is the end of the sequential
 // shortening of Lee et al. 2023, section 5, without the search. Left and right ligaments are alike.
 // Deterministic, for any number of threads. progress: share done, 0 to 1, from any thread.
-Identification identifyLigaments(const Anatomy& anatomy, int threads,
+Identification identifyLigaments(const Anatomy& anatomy, const Skeleton& skeleton,
+                                 const std::vector<std::string>& discs, int threads,
                                  const std::function<void(double)>& progress);
 
 // Anatomy with these lengths.

@@ -13,8 +13,8 @@ void writeScene(tinyxml2::XMLDocument& document) {
 
   Element visual(root, "visual");
   Element(visual, "headlight")
-      .set("ambient", {0.22, 0.22, 0.22})
-      .set("diffuse", {0.52, 0.52, 0.52})
+      .set("ambient", {0.3, 0.3, 0.3})
+      .set("diffuse", {0.56, 0.56, 0.56})
       .set("specular", {0.1, 0.1, 0.1});
   Element(visual, "map").set("znear", 0.01).set("zfar", 40).set("force", 0.02);
   // Slices and stacks: of the 440 ligaments, whose capsules would otherwise have ten times as many
