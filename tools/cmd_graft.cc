@@ -73,10 +73,17 @@ void addGraft(CLI::App& app) {
   command->footer(
       "Keeps legs, arms, assets, defaults, actuators, sensors, cameras and lights; replaces all\n"
       "between thighs, upper arms and the top of the head. The report on stderr names every\n"
-      "element that is not as it was. Bone meshes go to torso_assets/ beside the output.\n\n"
+      "element that is not as it was, and says how sure it is which body is what. Bone meshes go\n"
+      "to torso_assets/ beside the output.\n\n"
+      "Actuators of trunk joints become servos of the levels in their place, with name, place in\n"
+      "ctrl, range and sense. --group adds lumbar_, thoracic_ and cervical_ x flexion,\n"
+      "lateral_bending and axial_rotation [rad] for what those leave: servos on the rotation\n"
+      "between a region's end bones, which its levels share by their stiffness.\n\n"
       "Examples:\n"
       "  torso graft /usr/share/mujoco/model/humanoid/humanoid.xml -o humanoid_torso.xml\n"
-      "  torso graft humanoid.xml -o out.xml --dry-run --json | jq .changes");
+      "  torso graft humanoid.xml -o out.xml --dry-run --json | jq .changes\n"
+      "  torso graft humanoid.xml -o out.xml --dry-run --write-map map.json\n"
+      "  torso graft humanoid.xml -o out.xml --map map.json --group");
   command->add_option("HUMANOID", options->graft.input, "MJCF file")->required();
   command->add_option("-o,--output", options->graft.output, "MJCF file to write")->required();
   command->add_option("--prefix", options->graft.prefix, "Put before every name of the torso");

@@ -26,7 +26,7 @@ struct GraftChange {
   // "removed", "replaced", "moved", "changed", "renamed", "added", "kept" although it is slow, or
   // "unneeded": not added
   std::string action;
-  std::string kind;    // "body", "actuator", ..., or the section of the MJCF
+  std::string kind;  // "body", "actuator", ..., or the section of the MJCF
   std::string name;
   std::string detail;
 };

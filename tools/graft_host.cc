@@ -106,4 +106,13 @@ bool Host::isBelow(int body, int ancestor) const {
   return body == ancestor;
 }
 
+Matrix3d trunkAxes(const std::array<Vector3d, 2>& hip, const std::array<Vector3d, 2>& shoulder) {
+  const Vector3d up = (shoulder[0] + shoulder[1] - hip[0] - hip[1]).normalized();
+  Vector3d left = hip[0] - hip[1] + shoulder[0] - shoulder[1];
+  left = (left - left.dot(up) * up).normalized();
+  Matrix3d axes;
+  axes << left.cross(up), left, up;
+  return axes;
+}
+
 }  // namespace torso::tools

@@ -4,8 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/error.h"
+
 namespace torso::tools {
 namespace {
+
+using Eigen::Vector3d;
+
+Vector3d vector3(const mjtNum* x) { return {x[0], x[1], x[2]}; }
+
+constexpr const char* kMapLimbs =
+    "; name 'left_thigh', 'right_thigh', 'left_upper_arm' and 'right_upper_arm' in a --map";
 
 bool mirror(const Host& host, int a, int b) {
   const mjModel* m = host.model.get();
@@ -112,6 +121,52 @@ std::vector<LimbPair> limbPairs(const Host& host, int root) {
     }
   }
   return pairs;
+}
+
+int limbStart(const Host& host, int body, bool arm) {
+  const mjModel* m = host.model.get();
+  while (m->body_jntnum[body] == 0 || (arm && isClavicle(host.bodyName(body)))) {
+    const int next = heaviestChild(host, body);
+    if (next < 0) {
+      throw Error(host.path + ": the limb of '" + host.bodyName(body) + "' has no joint" +
+                  kMapLimbs);
+    }
+    body = next;
+  }
+  return body;
+}
+
+bool orderSides(const Host& host, const LimbPair& legs, const LimbPair& arms, HostParts& parts) {
+  std::array<int, 2> leg = legs.body, arm = arms.body;
+  const int leg_side = sideByName(host.bodyName(leg[0]), host.bodyName(leg[1]));
+  const int arm_side = sideByName(host.bodyName(arm[0]), host.bodyName(arm[1]));
+  const auto at = [&](int b) { return host.jointCentre(b); };
+  if (leg_side > 0) std::swap(leg[0], leg[1]);
+  if (leg_side == 0 && arm_side != 0) {
+    // As the arms: the leg on the side of the left arm is the left one.
+    const Vector3d left = (at(arm[0]) - at(arm[1])) * (arm_side < 0 ? 1 : -1);
+    if ((at(leg[0]) - at(leg[1])).dot(left) < 0) std::swap(leg[0], leg[1]);
+  } else if (leg_side == 0) {
+    // The feet, at the ends of the legs, point forward.
+    const Vector3d up = 0.5 * (at(arm[0]) + at(arm[1]) - at(leg[0]) - at(leg[1]));
+    Vector3d forward = Vector3d::Zero();
+    for (int b : leg) {
+      while (heaviestChild(host, b) >= 0) b = heaviestChild(host, b);
+      forward += vector3(host.data->xipos + 3 * b) - host.pose(b).translation();
+    }
+    forward -= forward.dot(up) / up.squaredNorm() * up;
+    if (forward.norm() < 0.01) {
+      throw Error(host.path + ": cannot tell left from right: neither the names of " + "'" +
+                  host.bodyName(leg[0]) + "'" + " and " + "'" + host.bodyName(leg[1]) + "'" +
+                  " nor the feet say it" + kMapLimbs);
+    }
+    if ((at(leg[0]) - at(leg[1])).dot(up.cross(forward)) < 0) std::swap(leg[0], leg[1]);
+  }
+  const Vector3d left = at(leg[0]) - at(leg[1]);
+  if ((at(arm[0]) - at(arm[1])).dot(left) < 0) std::swap(arm[0], arm[1]);
+  parts.thigh = leg;
+  parts.upper_arm = arm;
+  return leg_side != 0 || arm_side != 0;
 }
 
 }  // namespace torso::tools

@@ -28,6 +28,14 @@ std::vector<int> below(const Host& host, int body);
 // The child with the heaviest subtree, -1 if there is none.
 int heaviestChild(const Host& host, int body);
 
+// The first body of a limb that is no part of the trunk: it has a joint and is no clavicle. Throws
+// Error if there is none.
+int limbStart(const Host& host, int body, bool arm);
+
+// Sorts both pairs left, right into thigh and upper_arm of `parts`. True if names say which side is
+// left, false if the feet do; throws Error if neither does.
+bool orderSides(const Host& host, const LimbPair& legs, const LimbPair& arms, HostParts& parts);
+
 std::string lower(std::string text);
 
 // How many of the words are in a text.

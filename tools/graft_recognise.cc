@@ -14,13 +14,9 @@
 namespace torso::tools {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 Vector3d vector3(const mjtNum* x) { return {x[0], x[1], x[2]}; }
-
-constexpr const char* kMapLimbs =
-    "; name 'left_thigh', 'right_thigh', 'left_upper_arm' and 'right_upper_arm' in a --map";
 
 // Parts of the trunk as the map calls them.
 const std::pair<const char*, TrunkPart> kTrunkParts[] = {
@@ -46,10 +42,6 @@ class Recogniser {
  private:
   [[noreturn]] void fail(const std::string& what) const { throw Error(host_.path + ": " + what); }
   std::string name(int body) const { return "'" + host_.bodyName(body) + "'"; }
-  // The first body of a limb that is no part of the trunk.
-  int limbStart(int body, bool arm) const;
-  // True if names say which side is left.
-  bool orderSides(const LimbPair& legs, const LimbPair& arms, HostParts& parts) const;
   void nameTrunk(int pelvis, int chest, HostParts& parts);
 
   // Bodies that the map gives for a part; throws if there is no such body.
@@ -68,48 +60,6 @@ class Recogniser {
   const mjModel* m_;
   std::string leg_sureness_, leg_reason_, arm_sureness_, arm_reason_, head_sureness_, head_reason_;
 };
-
-int Recogniser::limbStart(int body, bool arm) const {
-  while (m_->body_jntnum[body] == 0 || (arm && isClavicle(host_.bodyName(body)))) {
-    const int next = heaviestChild(host_, body);
-    if (next < 0) fail("the limb of " + name(body) + " has no joint" + kMapLimbs);
-    body = next;
-  }
-  return body;
-}
-
-// Sorts both pairs left, right.
-bool Recogniser::orderSides(const LimbPair& legs, const LimbPair& arms, HostParts& parts) const {
-  std::array<int, 2> leg = legs.body, arm = arms.body;
-  const int leg_side = sideByName(host_.bodyName(leg[0]), host_.bodyName(leg[1]));
-  const int arm_side = sideByName(host_.bodyName(arm[0]), host_.bodyName(arm[1]));
-  const auto at = [&](int b) { return host_.jointCentre(b); };
-  if (leg_side > 0) std::swap(leg[0], leg[1]);
-  if (leg_side == 0 && arm_side != 0) {
-    // As the arms: the leg on the side of the left arm is the left one.
-    const Vector3d left = (at(arm[0]) - at(arm[1])) * (arm_side < 0 ? 1 : -1);
-    if ((at(leg[0]) - at(leg[1])).dot(left) < 0) std::swap(leg[0], leg[1]);
-  } else if (leg_side == 0) {
-    // The feet, at the ends of the legs, point forward.
-    const Vector3d up = 0.5 * (at(arm[0]) + at(arm[1]) - at(leg[0]) - at(leg[1]));
-    Vector3d forward = Vector3d::Zero();
-    for (int b : leg) {
-      while (heaviestChild(host_, b) >= 0) b = heaviestChild(host_, b);
-      forward += vector3(host_.data->xipos + 3 * b) - host_.pose(b).translation();
-    }
-    forward -= forward.dot(up) / up.squaredNorm() * up;
-    if (forward.norm() < 0.01) {
-      fail("cannot tell left from right: neither the names of " + name(leg[0]) + " and " +
-           name(leg[1]) + " nor the feet say it" + kMapLimbs);
-    }
-    if ((at(leg[0]) - at(leg[1])).dot(up.cross(forward)) < 0) std::swap(leg[0], leg[1]);
-  }
-  const Vector3d left = at(leg[0]) - at(leg[1]);
-  if ((at(arm[0]) - at(arm[1])).dot(left) < 0) std::swap(arm[0], arm[1]);
-  parts.thigh = leg;
-  parts.upper_arm = arm;
-  return leg_side != 0 || arm_side != 0;
-}
 
 void Recogniser::nameTrunk(int pelvis, int chest, HostParts& parts) {
   const auto isLimb = [&](int b) {
@@ -334,7 +284,7 @@ void Recogniser::findLimbs(HostParts& parts) {
     parts.thigh = legs.body;
     parts.upper_arm = arms.body;
   } else {
-    sides = orderSides(legs, arms, parts);
+    sides = orderSides(host_, legs, arms, parts);
     if (legs_given) parts.thigh = legs.body;
     if (arms_given) parts.upper_arm = arms.body;
   }
@@ -352,8 +302,8 @@ void Recogniser::findLimbs(HostParts& parts) {
   judge(legs_given, legs, leg_sureness_, leg_reason_);
   judge(arms_given, arms, arm_sureness_, arm_reason_);
   for (int k = 0; k < 2; k++) {
-    if (!legs_given) parts.thigh[k] = limbStart(parts.thigh[k], false);
-    if (!arms_given) parts.upper_arm[k] = limbStart(parts.upper_arm[k], true);
+    if (!legs_given) parts.thigh[k] = limbStart(host_, parts.thigh[k], false);
+    if (!arms_given) parts.upper_arm[k] = limbStart(host_, parts.upper_arm[k], true);
     parts.hip[k] = host_.jointCentre(parts.thigh[k]);
     parts.shoulder[k] = host_.jointCentre(parts.upper_arm[k]);
     for (int limb : {parts.thigh[k], parts.upper_arm[k]}) {
@@ -440,14 +390,5 @@ HostParts Recogniser::run() {
 }  // namespace
 
 HostParts recognise(const Host& host, const BodyMap& map) { return Recogniser(host, map).run(); }
-
-Matrix3d trunkAxes(const std::array<Vector3d, 2>& hip, const std::array<Vector3d, 2>& shoulder) {
-  const Vector3d up = (shoulder[0] + shoulder[1] - hip[0] - hip[1]).normalized();
-  Vector3d left = hip[0] - hip[1] + shoulder[0] - shoulder[1];
-  left = (left - left.dot(up) * up).normalized();
-  Matrix3d axes;
-  axes << left.cross(up), left, up;
-  return axes;
-}
 
 }  // namespace torso::tools

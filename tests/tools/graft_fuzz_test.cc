@@ -67,7 +67,7 @@ class Mutator {
     if (all.empty()) return;
     XMLElement* e = all[pick(static_cast<int>(all.size()))];
     XMLElement* other = all[pick(static_cast<int>(all.size()))];
-    switch (pick(8)) {
+    switch (pick(16)) {  // most changes of the tree are against the schema
       case 0:
         e->Parent()->DeleteChild(e);
         break;
