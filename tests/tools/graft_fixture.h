@@ -92,8 +92,13 @@ inline int idOf(const mjModel* m, mjtObj type, const std::string& name) {
   return found;
 }
 
-// The forms of humanoids that tests graft: name and MJCF.
-inline std::vector<std::pair<std::string, std::string>> humanoidForms() {
+// A form of humanoid that tests graft.
+struct HumanoidForm {
+  std::string name, text;  // text: MJCF
+};
+inline void PrintTo(const HumanoidForm& form, std::ostream* out) { *out << form.name; }
+
+inline std::vector<HumanoidForm> humanoidForms() {
   std::ostringstream mujoco;
   mujoco << std::ifstream(kMujocoHumanoid).rdbuf();
   return {{"mujoco", mujoco.str()},

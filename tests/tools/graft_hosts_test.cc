@@ -12,12 +12,11 @@
 namespace torso::tools {
 namespace {
 
-class GraftHosts : public GraftFixture,
-                   public testing::WithParamInterface<std::pair<std::string, std::string>> {
+class GraftHosts : public GraftFixture, public testing::WithParamInterface<HumanoidForm> {
  protected:
   // Grafts the form; `in` and `out` are the models.
   void graftForm() {
-    report_ = graftTo(write("in.xml", GetParam().second));
+    report_ = graftTo(write("in.xml", GetParam().text));
     in_ = loadModel(at("in.xml"));
     out_ = loadModel(at("out.xml"));
   }
@@ -49,7 +48,7 @@ class GraftHosts : public GraftFixture,
 };
 
 INSTANTIATE_TEST_SUITE_P(Forms, GraftHosts, testing::ValuesIn(humanoidForms()),
-                         [](const auto& info) { return info.param.first; });
+                         [](const auto& info) { return info.param.name; });
 
 // Torques that swing both legs, by inverse dynamics with all else at rest.
 std::vector<double> swingTorques(const mjModel* m, const std::vector<int>& joints) {
@@ -191,7 +190,7 @@ TEST_P(GraftHosts, KeepsMassSizeAndLimbJoints) {
 }
 
 TEST_P(GraftHosts, DropsWithoutWarnings) {
-  GraftOptions o = options(write("in.xml", GetParam().second));
+  GraftOptions o = options(write("in.xml", GetParam().text));
   o.groups = true;
   graft(anatomy(), o);
   const ModelPtr m = loadModel(at("out.xml"));
