@@ -90,6 +90,26 @@ TEST_F(GraftInput, AnyRootJointIsGrafted) {
   }
 }
 
+// What costs speed is changed or said.
+TEST_F(GraftInput, StepAndIntegrator) {
+  GraftOptions o = options(write("in.xml", waistDownHumanoid()));  // RK4, 4 ms
+  graft(anatomy(), o);
+  ModelPtr m = loadModel(at("out.xml"));
+  EXPECT_EQ(m->opt.integrator, mjINT_EULER);
+  EXPECT_NEAR(m->opt.timestep, 1.0 / 600, 1e-6);
+  o.keep_integrator = true;
+  o.timestep = 0.002;
+  graft(anatomy(), o);
+  m = loadModel(at("out.xml"));
+  EXPECT_EQ(m->opt.integrator, mjINT_RK4);
+  EXPECT_EQ(m->opt.timestep, 0.002);
+  const GraftReport fine = graftTo(write("fine.xml", pelvisUpHumanoid()));  // 1 ms
+  EXPECT_EQ(loadModel(at("out.xml"))->opt.timestep, 0.001);
+  EXPECT_TRUE(std::any_of(fine.changes.begin(), fine.changes.end(), [](const GraftChange& c) {
+    return c.action == "kept" && c.name == "timestep";
+  }));
+}
+
 TEST_F(GraftInput, BrokenFiles) {
   refuses("", "cannot load");
   refuses("not xml at all", "cannot load");
