@@ -1,7 +1,7 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "model/vertebra_frame.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -28,7 +28,7 @@ struct Plane {
 };
 
 // About n points of equal weight.
-std::vector<Vector3d> evenPoints(const TriMesh& mesh, int n) {
+std::vector<Vector3d> evenPoints(const TriMesh& mesh, int n, std::vector<Vector3d>* normals) {
   const std::vector<SurfacePoint> dense = surfacePoints(mesh, meshSize(mesh) / 60);
   double total = 0;
   for (const auto& p : dense) total += p.area;
@@ -36,7 +36,9 @@ std::vector<Vector3d> evenPoints(const TriMesh& mesh, int n) {
   double sum = 0;
   for (const auto& p : dense) {
     sum += p.area;
-    if (sum >= total * (static_cast<double>(out.size()) + 0.5) / n) out.push_back(p.position);
+    if (sum < total * (static_cast<double>(out.size()) + 0.5) / n) continue;
+    out.push_back(p.position);
+    if (normals) normals->push_back(p.normal);
   }
   return out;
 }
@@ -44,7 +46,7 @@ std::vector<Vector3d> evenPoints(const TriMesh& mesh, int n) {
 class SymmetrySearch {
  public:
   explicit SymmetrySearch(const TriMesh& mesh)
-      : coarse_(evenPoints(mesh, 250)), fine_(evenPoints(mesh, 2500)) {
+      : coarse_(evenPoints(mesh, 250, nullptr)), fine_(evenPoints(mesh, 2500, &normals_)) {
     for (const Vector3d& p : fine_) middle_ += p / static_cast<double>(fine_.size());
   }
 
@@ -102,48 +104,52 @@ class SymmetrySearch {
     return sum / static_cast<double>(points.size());
   }
 
-  // Alternates between pairing mirrored points with the surface and the plane between the pairs.
+  // Pairs mirrored points with the surface and moves the plane so that they come to lie on the
+  // tangent planes there, by least squares; then again.
   Plane refined(Plane plane) const {
-    for (int iteration = 0; iteration < 30; iteration++) {
-      struct Pair {
-        Vector3d p, q;
+    constexpr int kCoarse = 15, kFine = 6;
+    for (int iteration = 0; iteration < kCoarse + kFine; iteration++) {
+      struct Row {
+        double residual;
+        Vector3d slope;  // by two tilts of the normal and the offset
         double distance;
       };
-      const bool last = iteration >= 20;
-      std::vector<Pair> pairs;
-      const std::size_t stride = last ? 2 : fine_.size() / coarse_.size();
+      std::vector<Row> rows;
+      const Vector3d& n = plane.normal;
+      const Vector3d e1 = n.unitOrthogonal(), e2 = n.cross(e1);
+      const double offset = plane.offset - n.dot(middle_);
+      const std::size_t stride = iteration < kCoarse ? 10 : 2;
       for (std::size_t i = 0; i < fine_.size(); i += stride) {
         const Vector3d image = mirrored(plane, fine_[i]);
-        const Vector3d q = fine_[nearest(fine_, image)];
-        pairs.push_back({fine_[i], q, (q - image).norm()});
+        const std::size_t k = nearest(fine_, image);
+        const Vector3d p = fine_[i] - middle_, &normal = normals_[k];
+        const double from_plane = n.dot(p) - offset, facing = normal.dot(n);
+        rows.push_back({normal.dot(image - fine_[k]),
+                        {-2 * (e1.dot(p) * facing + from_plane * normal.dot(e1)),
+                         -2 * (e2.dot(p) * facing + from_plane * normal.dot(e2)), 2 * facing},
+                        (image - fine_[k]).norm()});
       }
       // A fifth may be lopsided.
-      std::sort(pairs.begin(), pairs.end(),
-                [](const Pair& a, const Pair& b) { return a.distance < b.distance; });
-      pairs.resize(pairs.size() * 4 / 5);
-      Matrix3d spread = Matrix3d::Zero();
-      double offset = 0;
-      for (const Pair& pair : pairs) {
-        const Vector3d d = pair.p - pair.q;
-        spread += d * d.transpose();
+      std::sort(rows.begin(), rows.end(),
+                [](const Row& a, const Row& b) { return a.distance < b.distance; });
+      rows.resize(rows.size() * 4 / 5);
+      Matrix3d A = Matrix3d::Zero();
+      Vector3d b = Vector3d::Zero();
+      for (const Row& row : rows) {
+        A += row.slope * row.slope.transpose();
+        b -= row.slope * row.residual;
       }
-      const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(spread);
-      Vector3d n = solver.eigenvectors().col(2);
-      if (n.dot(plane.normal) < 0) n = -n;
-      for (const Pair& pair : pairs) {
-        offset += n.dot(pair.p + pair.q) / 2 / static_cast<double>(pairs.size());
-      }
-      const double change = (n - plane.normal).norm();
-      plane.normal = n;
-      plane.offset = offset;
-      if (!last && change < 1e-5) iteration = 20;
-      if (iteration > 20 && change < 1e-5) break;
+      A.diagonal() *= 1 + 1e-6;
+      const Vector3d step = A.ldlt().solve(b);
+      const Vector2d tilt = step.head<2>() / std::max(1.0, step.head<2>().norm() / 0.1);
+      plane.normal = (n + tilt.x() * e1 + tilt.y() * e2).normalized();
+      plane.offset = plane.normal.dot(middle_) + offset + step.z();
     }
     plane.mismatch = mismatch(plane, coarse_, fine_);
     return plane;
   }
 
-  std::vector<Vector3d> coarse_, fine_;
+  std::vector<Vector3d> normals_, coarse_, fine_;  // normals_: of fine_
   Vector3d middle_ = Vector3d::Zero();
 };
 
@@ -276,7 +282,7 @@ EndplateLine endplateLine(const Outline& body, bool upper) {
   return line;
 }
 
-VertebraPose vertebraPose(const TriMesh& mesh) {
+VertebraPose vertebraPose(const TriMesh& mesh, const std::optional<Vector3d>& up_hint) {
   const double size = meshSize(mesh);
   std::string reason = "it has no plane of symmetry";
   for (const Plane& plane : SymmetrySearch(mesh).run()) {
@@ -306,7 +312,8 @@ VertebraPose vertebraPose(const TriMesh& mesh) {
         X = X * aboutY(Vector3d(origin.y(), 0, origin.x()), x, x.cross(Vector3d::UnitY()));
       }
       const TriMesh local = transformed(mesh, X.inverse());
-      const double up = upEvidence(local, midSection(local));
+      double up = upEvidence(local, midSection(local));
+      if (up_hint) up = 2 * up_hint->normalized().dot(X.linear().col(2));
       if (up < 0) X = X * Eigen::AngleAxisd(M_PI, Vector3d::UnitX());
       return {X, std::min(1.0, std::abs(up)), plane.mismatch / size};
     } catch (const std::runtime_error& e) {

@@ -4,6 +4,7 @@
 // Which way a vertebra looks, from its shape alone.
 
 #include <Eigen/Geometry>
+#include <optional>
 
 #include "model/mesh_section.h"
 #include "model/tri_mesh.h"
@@ -20,8 +21,10 @@ struct VertebraPose {
 // mesh: closed, faces outwards, whole vertebra, in any unit, place and turn. The mid-plane is the
 // plane that mirrors the surface best onto itself; its cut shows the body before and the arch
 // behind the canal; pedicles leave the upper half of the body, and processes point downwards.
-// Throws std::runtime_error if the cut does not show a body and an arch.
-VertebraPose vertebraPose(const TriMesh& mesh);
+// up: a direction known to be about upwards, if it is. Throws std::runtime_error if the cut does not
+// show a body and an arch.
+VertebraPose vertebraPose(const TriMesh& mesh,
+                          const std::optional<Eigen::Vector3d>& up = std::nullopt);
 
 // The cut in the mid-plane, of a mesh in the vertebra's axes: outlines in (z, x) of the body and of
 // the arch. Throws std::runtime_error if there are not two.

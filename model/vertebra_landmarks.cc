@@ -355,7 +355,8 @@ VertebraPrior vertebraPrior(const Anatomy& anatomy, const std::string& level) {
 }
 
 VertebraLandmarks findLandmarks(const TriMesh& mesh, const VertebraPrior& prior,
-                                const GivenLandmarks& given) {
+                                const GivenLandmarks& given,
+                                const std::optional<Vector3d>& up) {
   Isometry3d X;
   double certainty = 1;
   if (gives(given, "upper_endplate") && gives(given, "lower_endplate") &&
@@ -363,7 +364,7 @@ VertebraLandmarks findLandmarks(const TriMesh& mesh, const VertebraPrior& prior,
     X = givenFrame(given);
   } else {
     try {
-      const VertebraPose pose = vertebraPose(mesh);
+      const VertebraPose pose = vertebraPose(mesh, up);
       X = pose.frame;
       certainty = pose.up_certainty;
     } catch (const std::runtime_error& e) {

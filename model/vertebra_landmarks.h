@@ -50,9 +50,10 @@ using GivenLandmarks = std::map<std::string, Landmark>;
 const std::vector<std::string>& landmarkNames();
 
 // mesh [m]: closed, faces outwards, in any place and turn. Without `given` endplates (both) and
-// spinous tip the frame is found by vertebraPose. Throws std::runtime_error "... ; give the
+// spinous tip the frame is found by vertebraPose, with its hint `up`. Throws std::runtime_error "... ; give the
 // landmark(s) ..." if a part cannot be found.
 VertebraLandmarks findLandmarks(const TriMesh& mesh, const VertebraPrior& prior,
-                                const GivenLandmarks& given = {});
+                                const GivenLandmarks& given = {},
+                                const std::optional<Eigen::Vector3d>& up = std::nullopt);
 
 }  // namespace torso

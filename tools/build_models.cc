@@ -22,13 +22,20 @@ void saveBody(const Anatomy& anatomy, const MjcfOptions& options, const std::str
 
 }  // namespace
 
-void buildModels(const Anatomy& anatomy, const std::string& folder) {
+void buildModels(const Anatomy& anatomy, const std::string& folder, const OwnBones* own) {
   makeFolder(folder + "/assets");
-  MjcfOptions human;
+  MjcfOptions torso, human;
+  torso.own = human.own = own;
   human.limbs = true;
   human.scene = true;
   for (const std::string& body : mjcfBodies(anatomy, human)) {
-    for (const BonePart& part : boneMesh(anatomy, body)) {
+    std::vector<BonePart> parts;
+    if (own && own->meshes.count(body)) {
+      parts = {{Tissue::kBone, own->meshes.at(body)}};
+    } else {
+      parts = boneMesh(anatomy, body);
+    }
+    for (const BonePart& part : parts) {
       const TriMesh local = transformed(part.mesh, bodyFrame(anatomy, body).inverse());
       writeFile(folder + "/assets/" + boneMeshName(body, part.tissue) + ".stl", toStl(local));
     }
@@ -39,7 +46,7 @@ void buildModels(const Anatomy& anatomy, const std::string& folder) {
   tinyxml2::XMLDocument held;
   writeHeldScene(held);
   save(held, folder + "/torso_held.xml");
-  saveBody(anatomy, MjcfOptions(), folder + "/torso.xml");
+  saveBody(anatomy, torso, folder + "/torso.xml");
   saveBody(anatomy, human, folder + "/human.xml");
   human.kind = TorsoKind::kFixed;
   saveBody(anatomy, human, folder + "/human_fixed.xml");

@@ -12,6 +12,7 @@ void addBuild(CLI::App& app);
 void addCalibrateDiscs(CLI::App& app);
 void addDiscs(CLI::App& app);
 void addGraft(CLI::App& app);
+void addImportBones(CLI::App& app);
 void addInfo(CLI::App& app);
 void addRender(CLI::App& app);
 void addRun(CLI::App& app);

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
     return fmt::format("torso {}, MuJoCo {}", torso_versionString(), mj_versionString());
   });
   addBuild(app);
+  addImportBones(app);
   addInfo(app);
   addRun(app);
   addView(app);

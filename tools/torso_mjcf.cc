@@ -69,6 +69,11 @@ class Writer {
     return Quaterniond(frame(body).linear().transpose() * standing);
   }
 
+  std::vector<Tissue> tissues(const std::string& body) const {
+    if (o_.own && o_.own->meshes.count(body)) return {Tissue::kBone};
+    return boneTissues(a_, body);
+  }
+
   void writeOptions();
   void writeDefaults();
   void writeAssets();
@@ -108,8 +113,8 @@ std::string Writer::host(const std::string& body) const {
 void Writer::write() {
   root_->SetAttribute("model", named(o_.limbs ? "human" : "torso").c_str());
   if (detailed()) {
-    facets_ = makeFacets(a_);
-    ligaments_ = makeLigaments(a_);
+    facets_ = o_.own ? o_.own->facets : makeFacets(a_);
+    ligaments_ = o_.own ? o_.own->ligaments : makeLigaments(a_);
     for (const Disc& disc : a_.discs) discs_.push_back(makeDiscMesh(disc.shape));
   }
   if (o_.scene) Element(root_, "include").set("file", "scene.xml");
@@ -217,7 +222,7 @@ void Writer::writeAssets() {
       .set("specular", 0.3)
       .set("shininess", 0.4);
   for (const std::string& body : mjcfBodies(a_, o_)) {
-    for (const Tissue tissue : boneTissues(a_, body)) {
+    for (const Tissue tissue : tissues(body)) {
       const std::string name = boneMeshName(body, tissue);
       Element mesh(asset, "mesh");
       mesh.set("name", named(name)).set("file", o_.mesh_dir + "/" + name + ".stl");
@@ -311,7 +316,7 @@ void Writer::writeInertial(XMLElement* element, const std::string& body) {
 }
 
 void Writer::writeBones(XMLElement* element, const std::string& body) {
-  for (const Tissue tissue : boneTissues(a_, body)) {
+  for (const Tissue tissue : tissues(body)) {
     const std::string name = boneMeshName(body, tissue);
     Element geom(element, "geom");
     geom.set("name", named(name)).set("class", named("bone")).set("mesh", named(name));

@@ -8,6 +8,7 @@
 
 #include "model/anatomy.h"
 #include "model/bone_mesh.h"
+#include "tools/own_bones.h"
 
 namespace torso::tools {
 
@@ -23,6 +24,7 @@ struct MjcfOptions {
   std::string prefix;               // put before every name
   double mesh_scale = 1;            // of the bone meshes, which are made at the size of the tables
   std::string mesh_dir = "assets";  // where they are, relative to the MJCF
+  const OwnBones* own = nullptr;    // in place of generated bones, facets and ligaments
   double height = 0;  // of the S1 endplate above the ground; 0: feet on the ground [m]
 };
 
