@@ -13,7 +13,7 @@
 namespace torso {
 
 struct Registration {
-  Eigen::Matrix3d rotation;     // reference = scale * rotation * mesh + translation
+  Eigen::Matrix3d rotation;  // reference = scale * rotation * mesh + translation
   double scale;
   Eigen::Vector3d translation;
   double misfit;  // mean distance between the surfaces, over the reference's size

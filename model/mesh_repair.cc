@@ -18,7 +18,7 @@ using Face = std::array<int, 3>;
 
 constexpr double kWeld = 1e-6;       // of the size
 constexpr double kStrayArea = 0.02;  // of the surface
-constexpr double kHole = 1.0;        // length of its border, of the size
+constexpr double kHole = 0.8;        // length of its border, of the size
 
 std::string place(const Vector3d& p) {
   std::ostringstream text;
@@ -235,8 +235,7 @@ class Repairer {
       done_.cut_edges++;
       // Pair each face with the nearest of the other sense around the edge, on its inner side.
       const Vector3d axis = (m_.vertices[e.second] - m_.vertices[e.first]).normalized();
-      const Vector3d zero =
-          (third(faces[0], e) - m_.vertices[e.first]).cross(axis).normalized();
+      const Vector3d zero = (third(faces[0], e) - m_.vertices[e.first]).cross(axis).normalized();
       std::vector<std::pair<double, int>> forward, backward;
       for (int f : faces) {
         const Vector3d r = (third(f, e) - m_.vertices[e.first]).cross(axis);
@@ -274,45 +273,70 @@ class Repairer {
     m_ = out;
   }
 
-  // Borders as loops, each filled with a fan about its middle.
-  void fillHoles() {
-    std::map<int, int> next;  // along the border, against the faces' sense
-    for (const auto& [e, faces] : edges()) {
-      if (faces.size() == 1) {
-        const bool forward = runs(m_.faces[faces[0]], e.first, e.second);
-        next[forward ? e.second : e.first] = forward ? e.first : e.second;
+  // Edges that a face runs along and none runs back, turned round; by their first vertex.
+  std::multimap<int, int> borders() const {
+    std::map<Edge, int> balance;  // forward runs less backward ones
+    for (const Face& f : m_.faces) {
+      for (int k = 0; k < 3; k++) {
+        const int a = f[k], b = f[(k + 1) % 3];
+        balance[edge(a, b)] += a < b ? 1 : -1;
       }
     }
-    while (!next.empty()) {
-      std::vector<int> loop;
-      int v = next.begin()->first;
-      double length = 0;
-      while (next.count(v)) {
-        loop.push_back(v);
-        const int to = next[v];
-        length += (m_.vertices[to] - m_.vertices[v]).norm();
-        next.erase(v);
-        v = to;
+    std::multimap<int, int> out;
+    for (const auto& [e, n] : balance) {
+      for (int k = 0; k < n; k++) out.insert({e.second, e.first});
+      for (int k = 0; k < -n; k++) out.insert({e.first, e.second});
+    }
+    return out;
+  }
+
+  // Borders as loops, each filled with a fan about its middle.
+  void fillHoles() {
+    std::multimap<int, int> next = borders();
+    std::vector<int> path;
+    while (!next.empty() || !path.empty()) {
+      if (path.empty()) path.push_back(next.begin()->first);
+      const auto step = next.find(path.back());
+      if (step == next.end()) throw std::runtime_error("open: its border has an end");
+      const int to = step->second;
+      next.erase(step);
+      const auto again = std::find(path.begin(), path.end(), to);
+      if (again == path.end()) {
+        path.push_back(to);
+        continue;
       }
-      if (v != loop.front() || length > kHole * size_) {
-        std::ostringstream text;
-        text << "open: a hole with a border of " << loop.size() << " edges and a length of "
-             << length << ", at " << place(m_.vertices[loop.front()])
-             << "; close it, only small holes are filled here";
-        throw std::runtime_error(text.str());
-      }
-      if (loop.size() == 3) {
-        m_.faces.push_back({loop[0], loop[1], loop[2]});
-      } else {
-        Vector3d middle = Vector3d::Zero();
-        for (int i : loop) middle += m_.vertices[i] / static_cast<double>(loop.size());
-        const int centre = static_cast<int>(m_.vertices.size());
-        m_.vertices.push_back(middle);
-        for (std::size_t i = 0; i < loop.size(); i++) {
-          m_.faces.push_back({loop[i], loop[(i + 1) % loop.size()], centre});
-        }
-      }
-      done_.filled_holes++;
+      const std::vector<int> loop(again, path.end());
+      path.erase(again, path.end());
+      if (!path.empty()) path.push_back(to);
+      fill(loop);
+    }
+  }
+
+  void fill(const std::vector<int>& loop) {
+    double length = 0;
+    Vector3d middle = Vector3d::Zero();
+    for (std::size_t i = 0; i < loop.size(); i++) {
+      const Vector3d& p = m_.vertices[loop[i]];
+      length += (m_.vertices[loop[(i + 1) % loop.size()]] - p).norm();
+      middle += p / static_cast<double>(loop.size());
+    }
+    if (length > kHole * size_) {
+      std::ostringstream text;
+      text << "open: a hole with a border of " << loop.size() << " edges and a length of " << length
+           << ", at " << place(m_.vertices[loop.front()])
+           << "; close it, only small holes are filled here";
+      throw std::runtime_error(text.str());
+    }
+    if (loop.size() < 3) return;  // two faces back to back
+    done_.filled_holes++;
+    if (loop.size() == 3) {
+      m_.faces.push_back({loop[0], loop[1], loop[2]});
+      return;
+    }
+    const int centre = static_cast<int>(m_.vertices.size());
+    m_.vertices.push_back(middle);
+    for (std::size_t i = 0; i < loop.size(); i++) {
+      m_.faces.push_back({loop[i], loop[(i + 1) % loop.size()], centre});
     }
   }
 
@@ -407,9 +431,8 @@ double signedVolume(const TriMesh& mesh) {
   if (mesh.vertices.empty()) return 0;
   const Vector3d o = mesh.vertices.front();
   for (const Face& f : mesh.faces) {
-    volume += (mesh.vertices[f[0]] - o).dot(
-                  (mesh.vertices[f[1]] - o).cross(mesh.vertices[f[2]] - o)) /
-              6;
+    volume +=
+        (mesh.vertices[f[0]] - o).dot((mesh.vertices[f[1]] - o).cross(mesh.vertices[f[2]] - o)) / 6;
   }
   return volume;
 }

@@ -19,10 +19,10 @@ struct MeshRepair {
 
 // A closed surface, each edge between two faces that agree on its sides, made from one that is
 // nearly so: equal vertices are joined (closer than 1e-6 of the mesh's size), a few stray faces
-// dropped (up to 2 % of the area), holes filled whose border is no longer than the mesh's size
-// (diagonal of its bounding box), each part turned to look outwards. Throws std::runtime_error that
-// names the place [units of the mesh] of what cannot be mended so: a larger hole, or an edge of
-// more than two faces where the surface branches; and if the whole mesh is inside out.
+// dropped (up to 2 % of the area), holes filled whose border is no longer than 0.8 of the mesh's
+// size (diagonal of its bounding box), each part turned to look outwards. Throws std::runtime_error
+// that names the place [units of the mesh] of what cannot be mended so: a larger hole, or an edge
+// of more than two faces where the surface branches; and if the whole mesh is inside out.
 TriMesh repaired(const TriMesh& mesh, MeshRepair* done);
 
 // Volume enclosed by a closed surface; negative if its faces look inwards.

@@ -173,8 +173,8 @@ class Fitter {
     upper_centre_[i].y() = lower_centre_[i].y() = 0;
     for (ArticularFacet& f : a_.facets) {
       if (f.level != v.name) continue;
-      const Landmark face = leftOf({transformed(l.superior_face[0], I),
-                                    transformed(l.superior_face[1], I)});
+      const Landmark face =
+          leftOf({transformed(l.superior_face[0], I), transformed(l.superior_face[1], I)});
       f.position = face.centre;
       f.normal = face.normal;
       f.width = face.width;
@@ -205,8 +205,7 @@ class Fitter {
         const Matrix3d turn = last->frame.linear().transpose() * l->frame.linear();
         const double angle = AngleAxisd(turn).angle();
         const bool fits = r.z() > 0.7 * expected && r.norm() < 1.6 * expected &&
-                          std::abs(r.y()) < 0.3 * expected &&
-                          angle < 0.35 * (1 + i - last_index);
+                          std::abs(r.y()) < 0.3 * expected && angle < 0.35 * (1 + i - last_index);
         common_ = common_ && fits;
       }
       last = l;
@@ -228,15 +227,13 @@ class Fitter {
     for (int i = 0; i < count(); i++) {
       Vertebra& v = a_.vertebrae[i];
       Disc& disc = a_.discs[i];
-      const double base_middle =
-          (disc.shape.height_anterior + disc.shape.height_posterior) / 2;
-      const double size = i > 0 ? (ratios_[i].mean() + ratios_[i - 1].mean()) / 2
-                                : ratios_[i].mean();
+      const double base_middle = (disc.shape.height_anterior + disc.shape.height_posterior) / 2;
+      const double size =
+          i > 0 ? (ratios_[i].mean() + ratios_[i - 1].mean()) / 2 : ratios_[i].mean();
       double middle = base_middle * size;
       disc.shape.depth = (depth_below + v.lower_endplate_depth) / 2;
       disc.shape.width = (width_below + v.lower_endplate_width) / 2;
-      const double steepest =
-          std::atan(2 * (1 - kThinnest) * middle / disc.shape.depth);
+      const double steepest = std::atan(2 * (1 - kThinnest) * middle / disc.shape.depth);
       double wedge = slope - (pitch[i] + lower_tilt_[i]);
       const bool placed = common_ && landmarksOf(i) && file_anchor == i - 1 && i > 0;
       if (std::abs(wedge) > steepest && !placed) {
@@ -279,14 +276,14 @@ class Fitter {
     // C2 keeps its place to C3, on a disc of the tables' height.
     const Vertebra &c3 = a_.vertebrae.back(), &old = base_.vertebrae.back();
     Disc& disc = a_.discs.back();
-    const Vector3d old_top = old.frame() * Vector3d(0, 0, (old.body_height_anterior +
-                                                           old.body_height_posterior) / 4);
+    const Vector3d old_top =
+        old.frame() * Vector3d(0, 0, (old.body_height_anterior + old.body_height_posterior) / 4);
     head_shift_ = top - old_top;
     const double turn = c3.upper_endplate_pitch - old.upper_endplate_pitch;
     a_.c2.position = base_.c2.position + head_shift_;
     const double middle = (disc.shape.height_anterior + disc.shape.height_posterior) / 2;
-    disc.frame = pitched(disc.frame.translation() + head_shift_,
-                         pitchOf(disc.frame.linear()) + turn / 2);
+    disc.frame =
+        pitched(disc.frame.translation() + head_shift_, pitchOf(disc.frame.linear()) + turn / 2);
     disc.shape.depth = (depth_below + a_.c2.lower_endplate_depth) / 2;
     disc.shape.width = (width_below + a_.c2.lower_endplate_width) / 2;
     const double edge = std::clamp(
@@ -338,8 +335,8 @@ class Fitter {
       if (!l || (i > 0 && landmarksOf(i - 1))) continue;
       const std::string below = i > 0 ? a_.vertebrae[i - 1].name : "S1";
       const Isometry3d I = l->frame.inverse();
-      Landmark face = leftOf({transformed(l->inferior_face[0], I),
-                              transformed(l->inferior_face[1], I)});
+      Landmark face =
+          leftOf({transformed(l->inferior_face[0], I), transformed(l->inferior_face[1], I)});
       face = transformed(face, a_.boneFrame(below).inverse() * a_.vertebrae[i].frame());
       for (ArticularFacet& f : a_.facets) {
         if (f.level != below) continue;
@@ -396,8 +393,8 @@ class Fitter {
   Anatomy a_;
   bool common_ = false;
   std::vector<Ratios> ratios_;
-  std::vector<double> upper_tilt_, lower_tilt_;          // of the endplates in the vertebra [rad]
-  std::vector<Vector3d> upper_centre_, lower_centre_;    // of the endplates, vertebra frame [m]
+  std::vector<double> upper_tilt_, lower_tilt_;        // of the endplates in the vertebra [rad]
+  std::vector<Vector3d> upper_centre_, lower_centre_;  // of the endplates, vertebra frame [m]
   Vector3d head_shift_ = Vector3d::Zero();
   std::vector<std::string> remarks_;
 };

@@ -22,8 +22,8 @@ double spineScale(const Anatomy& anatomy, const SpineLandmarks& found);
 struct SpineFit {
   Anatomy anatomy;
   std::map<std::string, Eigen::Isometry3d> placement;  // by level: from the mesh to standing body
-  bool common_frame;                 // the meshes' places to each other were used
-  std::vector<std::string> remarks;  // one line each, for the person to read
+  bool common_frame;                                   // the meshes' places to each other were used
+  std::vector<std::string> remarks;                    // one line each, for the person to read
 };
 
 // Puts the vertebrae found into the tables `anatomy`, which are at the person's size. Levels not

@@ -58,7 +58,6 @@ Vector3d nearestPoint(const TriMesh& mesh, const Vector3d& p) {
   return best;
 }
 
-
 const TriMesh* meshOf(const std::map<std::string, TriMesh>& meshes, const std::string& level) {
   const auto it = meshes.find(level);
   return it == meshes.end() ? nullptr : &it->second;
@@ -100,8 +99,8 @@ void fitFacet(const TriMesh& lower, const Landmark& superior, const Landmark& in
   }
   double growth = 1;
   for (;; growth *= kGrowth) {
-    facet->radii = growth * Vector3d(kWidthFactor * width, kHeightFactor * height,
-                                     kThicknessFactor * height);
+    facet->radii =
+        growth * Vector3d(kWidthFactor * width, kHeightFactor * height, kThicknessFactor * height);
     facet->ellipsoid = Isometry3d::Identity();
     facet->ellipsoid.linear() = R;
     facet->ellipsoid.translation() = apex - facet->radii.z() * normal;
@@ -136,8 +135,7 @@ std::vector<Facet> fittedFacets(const SpineFit& fit, const SpineLandmarks& found
     const TriMesh* mesh = meshOf(meshes, facet.ellipsoid_body);
     if (lower == found.end() || upper == found.end() || !mesh) continue;
     const int side = facet.name.rfind("_right") != std::string::npos ? 1 : 0;
-    fitFacet(*mesh,
-             transformed(lower->second.superior_face[side], fit.placement.at(lower->first)),
+    fitFacet(*mesh, transformed(lower->second.superior_face[side], fit.placement.at(lower->first)),
              transformed(upper->second.inferior_face[side], fit.placement.at(upper->first)),
              &facet);
   }
@@ -149,7 +147,8 @@ std::vector<LigamentSegment> fittedLigaments(const SpineFit& fit, const SpineLan
   std::vector<LigamentSegment> segments = makeLigaments(fit.anatomy);
   for (LigamentSegment& s : segments) {
     const double ratio = s.max_length / (s.upper_point - s.lower_point).norm();
-    for (const auto& [level, point] : {std::pair{s.lower, &s.lower_point}, {s.upper, &s.upper_point}}) {
+    for (const auto& [level, point] :
+         {std::pair{s.lower, &s.lower_point}, {s.upper, &s.upper_point}}) {
       const TriMesh* mesh = meshOf(meshes, level);
       const auto it = found.find(level);
       if (!mesh || it == found.end()) continue;

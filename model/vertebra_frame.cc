@@ -23,8 +23,8 @@ double meshSize(const TriMesh& mesh) {
 
 struct Plane {
   Vector3d normal;
-  double offset;      // normal . x = offset
-  double mismatch;    // mean distance of mirrored points to the surface
+  double offset;    // normal . x = offset
+  double mismatch;  // mean distance of mirrored points to the surface
 };
 
 // About n points of equal weight.

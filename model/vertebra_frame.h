@@ -21,8 +21,8 @@ struct VertebraPose {
 // mesh: closed, faces outwards, whole vertebra, in any unit, place and turn. The mid-plane is the
 // plane that mirrors the surface best onto itself; its cut shows the body before and the arch
 // behind the canal; pedicles leave the upper half of the body, and processes point downwards.
-// up: a direction known to be about upwards, if it is. Throws std::runtime_error if the cut does not
-// show a body and an arch.
+// up: a direction known to be about upwards, if it is. Throws std::runtime_error if the cut does
+// not show a body and an arch.
 VertebraPose vertebraPose(const TriMesh& mesh,
                           const std::optional<Eigen::Vector3d>& up = std::nullopt);
 

@@ -103,8 +103,9 @@ class Finder {
       }
     }
     if (widest == 0) {
-      throw std::runtime_error("the body has no closed cut below its endplate; give the landmarks "
-                               "upper_endplate and lower_endplate with width and height");
+      throw std::runtime_error(
+          "the body has no closed cut below its endplate; give the landmarks "
+          "upper_endplate and lower_endplate with width and height");
     }
     return widest;
   }
@@ -127,8 +128,9 @@ class Finder {
     }
     if (!(out_.canal_depth > 0) || !(out_.canal_width > 0.3 * prior_.vertebra.canal_width) ||
         !(out_.canal_width < 3 * prior_.vertebra.canal_width)) {
-      throw std::runtime_error("no canal with a pedicle on each side behind the body; is this a "
-                               "whole vertebra?");
+      throw std::runtime_error(
+          "no canal with a pedicle on each side behind the body; is this a "
+          "whole vertebra?");
     }
   }
 
@@ -193,10 +195,9 @@ class Finder {
     const auto sided = [&](const Vector3d& v) { return Vector3d(v.x(), sign * v.y(), v.z()); };
     const Vector3d expected = sided(p.normal);
     Vector3d start = placed(p.centre);
-    const double scale = std::sqrt(out_.canal_width / prior_.vertebra.canal_width *
-                                   height_ * 2 /
-                                   (prior_.vertebra.body_height_anterior +
-                                    prior_.vertebra.body_height_posterior));
+    const double scale =
+        std::sqrt(out_.canal_width / prior_.vertebra.canal_width * height_ * 2 /
+                  (prior_.vertebra.body_height_anterior + prior_.vertebra.body_height_posterior));
     const double width = scale * p.width, height = scale * p.height;
     // The process ends half a face beyond the face's middle.
     const Vector3d up = upAlong(p.normal);
@@ -207,61 +208,79 @@ class Finder {
     }
     start = sided(start);
 
-    Vector3d centre = start, normal = expected;
-    const double reach = 0.55 * height;
+    // Coarse or odd bones may show no such face close by: then look further around.
+    for (double reach : {0.55 * height, 1.1 * height}) {
+      Vector3d centre = start, normal = expected;
+      if (search(start, expected, reach, 0.03 * width * height, &centre, &normal)) {
+        return measured(centre, normal, width, height, start);
+      }
+    }
+    throw std::runtime_error(std::string("no ") + (superior ? "superior" : "inferior") +
+                             " articular face where one should be; give the landmark " +
+                             (side ? "right_" : "left_") +
+                             (superior ? "superior_face" : "inferior_face"));
+  }
+
+  // Moves centre and normal to the middle of what looks about the same way; false if that is less
+  // than an area.
+  bool search(const Vector3d& start, const Vector3d& expected, double reach, double area,
+              Vector3d* centre, Vector3d* normal) const {
     double weight = 0;
     for (int pass = 0; pass < 12; pass++) {
       Vector3d sum = Vector3d::Zero(), normals = Vector3d::Zero();
       weight = 0;
       for (const auto& q : points_) {
-        const double along = q.normal.dot(normal), known = q.normal.dot(expected);
+        const double along = q.normal.dot(*normal), known = q.normal.dot(expected);
         if (along < 0.5 || known < 0.4) continue;
         // Close to the face's middle, but not forever away from where it should be.
-        const double d2 = (q.position - centre).squaredNorm() / (reach * reach) +
+        const double d2 = (q.position - *centre).squaredNorm() / (reach * reach) +
                           0.3 * (q.position - start).squaredNorm() / (reach * reach);
         const double w = q.area * along * along * std::exp(-d2);
         weight += w;
         sum += w * q.position;
         normals += w * q.normal;
       }
-      if (weight < 0.03 * width * height) break;
-      centre = sum / weight;
-      normal = normals.normalized();
+      if (weight < area) return false;
+      *centre = sum / weight;
+      *normal = normals.normalized();
     }
-    if (weight < 0.03 * width * height) {
-      throw std::runtime_error(std::string("no ") + (superior ? "superior" : "inferior") +
-                               " articular face where one should be; give the landmark " +
-                               (side ? "right_" : "left_") +
-                               (superior ? "superior_face" : "inferior_face"));
-    }
-    return measured(centre, normal, width, height);
+    return true;
   }
 
-  // Plane and extent of the face about a place on it.
-  Landmark measured(const Vector3d& place, const Vector3d& direction, double width,
-                    double height) const {
+  // Plane and extent of the face about a place on it. The plane is that of its middle, clear of the
+  // rounded edge.
+  // How high it lies, the end of its process has told: by `start`.
+  Landmark measured(const Vector3d& place, const Vector3d& direction, double width, double height,
+                    const Vector3d& start) const {
+    constexpr double kSlide = 0.12;  // of the height, up or down from there
     Landmark l;
     l.centre = place;
     l.normal = direction;
+    Vector2d spread = Vector2d::Zero();
     double area = 0;
-    Eigen::Vector2d spread = Vector2d::Zero();
     for (int pass = 0; pass < 6; pass++) {
       const Vector3d up = upAlong(l.normal), across = up.cross(l.normal);
       Vector3d sum = Vector3d::Zero(), normals = Vector3d::Zero();
+      double inner_area = 0;
       spread.setZero();
       area = 0;
       for (const auto& q : points_) {
         const Vector3d r = q.position - l.centre;
-        const double x = r.dot(across) / (0.6 * width), y = r.dot(up) / (0.6 * height);
+        const double x = r.dot(across) / width, y = r.dot(up) / height;
         if (q.normal.dot(l.normal) < 0.75 || std::abs(r.dot(l.normal)) > 2.5e-3) continue;
-        if (x * x + y * y > 1) continue;
+        const double out = std::hypot(x, y);
+        if (out > 0.55) continue;
         area += q.area;
-        sum += q.area * q.position;
-        normals += q.area * q.normal;
         spread += q.area * Vector2d(r.dot(across), r.dot(up)).cwiseAbs2();
+        sum += q.area * q.position;
+        if (out > 0.4) continue;
+        inner_area += q.area;
+        normals += q.area * q.normal;
       }
-      if (area == 0) return {place, direction, width, height};
+      if (inner_area == 0) return {place, direction, width, height};
       l.centre = sum / area;
+      const double slide = (l.centre - start).dot(up);
+      l.centre -= (slide - std::clamp(slide, -kSlide * height, kSlide * height)) * up;
       l.normal = normals.normalized();
     }
     // An even ellipse spreads by a quarter of its axes.
@@ -325,9 +344,9 @@ bool gives(const GivenLandmarks& given, const char* name) { return given.count(n
 
 const std::vector<std::string>& landmarkNames() {
   static const std::vector<std::string> kNames = {
-      "upper_endplate",      "lower_endplate",      "spinous_tip",
+      "upper_endplate",      "lower_endplate",       "spinous_tip",
       "left_transverse_tip", "right_transverse_tip", "left_superior_face",
-      "right_superior_face", "left_inferior_face",  "right_inferior_face"};
+      "right_superior_face", "left_inferior_face",   "right_inferior_face"};
   return kNames;
 }
 
@@ -355,8 +374,7 @@ VertebraPrior vertebraPrior(const Anatomy& anatomy, const std::string& level) {
 }
 
 VertebraLandmarks findLandmarks(const TriMesh& mesh, const VertebraPrior& prior,
-                                const GivenLandmarks& given,
-                                const std::optional<Vector3d>& up) {
+                                const GivenLandmarks& given, const std::optional<Vector3d>& up) {
   Isometry3d X;
   double certainty = 1;
   if (gives(given, "upper_endplate") && gives(given, "lower_endplate") &&

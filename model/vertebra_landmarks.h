@@ -28,7 +28,7 @@ struct VertebraLandmarks {
   Eigen::Isometry3d frame;  // the vertebra frame of anatomy.h: origin at the body's centre
   Landmark upper_endplate, lower_endplate;
   Eigen::Vector3d spinous_tip;
-  std::array<Eigen::Vector3d, 2> transverse_tip;        // left, right
+  std::array<Eigen::Vector3d, 2> transverse_tip;         // left, right
   std::array<Landmark, 2> superior_face, inferior_face;  // left, right
   double body_height_anterior, body_height_posterior;
   double canal_width, canal_depth;
@@ -50,8 +50,8 @@ using GivenLandmarks = std::map<std::string, Landmark>;
 const std::vector<std::string>& landmarkNames();
 
 // mesh [m]: closed, faces outwards, in any place and turn. Without `given` endplates (both) and
-// spinous tip the frame is found by vertebraPose, with its hint `up`. Throws std::runtime_error "... ; give the
-// landmark(s) ..." if a part cannot be found.
+// spinous tip the frame is found by vertebraPose, with its hint `up`. Throws std::runtime_error
+// "... ; give the landmark(s) ..." if a part cannot be found.
 VertebraLandmarks findLandmarks(const TriMesh& mesh, const VertebraPrior& prior,
                                 const GivenLandmarks& given = {},
                                 const std::optional<Eigen::Vector3d>& up = std::nullopt);

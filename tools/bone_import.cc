@@ -115,8 +115,8 @@ class Importer {
 
   // Diagonal of the bounding box of a vertebra of the tables, in its own axes.
   static double vertebraSize(const Vertebra& v) {
-    const double depth = v.spinous_tip_distance * std::cos(v.spinous_declination) +
-                         v.upper_endplate_depth / 2;
+    const double depth =
+        v.spinous_tip_distance * std::cos(v.spinous_declination) + v.upper_endplate_depth / 2;
     const double below = std::max(0.8 * v.body_height_anterior,
                                   v.spinous_tip_distance * std::sin(v.spinous_declination));
     return Vector3d(depth, v.transverse_process_span, below + 0.8 * v.body_height_anterior).norm();
@@ -132,8 +132,7 @@ class Importer {
       return 0;
     }
     const bool sided = splitSide(piece.body).first != Side::kMiddle;
-    const std::string body =
-        sided || piece.body == "ribcage" ? piece.body : "left_" + piece.body;
+    const std::string body = sided || piece.body == "ribcage" ? piece.body : "left_" + piece.body;
     return size / bounds(reference(body)).diagonal().norm();
   }
 
@@ -160,8 +159,8 @@ class Importer {
       for (const auto& [ratio, piece] : ratios) all.push_back(ratio);
       const double middle = all.empty() ? 1 : median(all);
       for (const Unit& u : kUnits) {
-        if (!unit || std::abs(std::log(middle * u.metres)) <
-                         std::abs(std::log(middle * unit->metres))) {
+        if (!unit ||
+            std::abs(std::log(middle * u.metres)) < std::abs(std::log(middle * unit->metres))) {
           unit = &u;
         }
       }
@@ -176,7 +175,8 @@ class Importer {
       throw Error(fmt::format(
           "{}: {} would be {:.4g} m from end to end in {}, {:.3g} times the tables'; give the "
           "right --unit, or scale the file, or name the bone with --map",
-          piece->where, piece->body, bounds(piece->mesh).diagonal().norm() * metres_, unit->name, r));
+          piece->where, piece->body, bounds(piece->mesh).diagonal().norm() * metres_, unit->name,
+          r));
     }
   }
 
@@ -258,13 +258,21 @@ class Importer {
     file_axes_ = axesMatrix(most->first);
     double certainty = 1;
     for (const auto& [level, l] : found_) certainty = std::min(certainty, l.up_certainty);
-    say(fmt::format("axes: {} (guessed from {} of {} vertebrae; how sure which end is up: {:.0f} %)",
-                    most->first, most->second, found_.size(), 100 * certainty));
+    say(fmt::format(
+        "axes: {} (guessed from {} of {} vertebrae; how sure which end is up: {:.0f} %)",
+        most->first, most->second, found_.size(), 100 * certainty));
   }
 
-  // Tables at the person's size.
+  // Tables at the person's size: the middle one of the sizes of the spine and of each other bone.
   Anatomy sizedTables() {
-    double length = o_.stature > 0 ? o_.stature / tables_.stature() : spineScale(tables_, found_);
+    std::vector<double> sizes;
+    if (!found_.empty()) sizes.push_back(spineScale(tables_, found_));
+    for (const BonePiece& piece : pieces_) {
+      const double ratio = isVertebra(piece.body) ? 0 : metres_ * sizeRatio(piece);
+      if (ratio > 0) sizes.push_back(ratio);
+    }
+    const double guessed = sizes.empty() ? 1 : median(sizes);
+    const double length = o_.stature > 0 ? o_.stature / tables_.stature() : guessed;
     const double mass = o_.mass > 0 ? o_.mass / tables_.mass() : length * length;
     if (!(length > 0.5 && length < 2 && mass > 0.2 && mass < 5)) {
       throw Error(fmt::format("--stature, --mass: a body of {:.3g} m and {:.3g} kg is out of range",
@@ -308,15 +316,17 @@ class Importer {
     const Vector3d at = r.rotation.transpose() * (anchor - r.translation) / r.scale;
     const double ratio = 1 / r.scale;
     if (ratio > kLargest || ratio < 1 / kLargest) {
-      throw Error(fmt::format("{}: {} is {:.3g} times as large as it should be; check --unit, or "
-                              "name the bone with --map",
-                              where, body, ratio));
+      throw Error(
+          fmt::format("{}: {} is {:.3g} times as large as it should be; check --unit, or "
+                      "name the bone with --map",
+                      where, body, ratio));
     }
     return {mesh, r.rotation, at, ratio, r.misfit};
   }
 
   void report(const std::string& body, const Placed& p) {
-    say(fmt::format("{}: laid over the generated bone: {:.2f} times as large, surfaces {:.0f} % of "
+    say(
+        fmt::format("{}: laid over the generated bone: {:.2f} times as large, surfaces {:.0f} % of "
                     "its size apart",
                     body, p.ratio, 100 * p.misfit));
   }
@@ -354,8 +364,7 @@ class Importer {
 
   // A sacrum alone is as wide as it is tall; a pelvis twice as wide.
   bool pelvisIsWhole(const TriMesh& mesh) const {
-    return bounds(mesh).diagonal().norm() >
-           0.75 * bounds(reference_("pelvis")).diagonal().norm();
+    return bounds(mesh).diagonal().norm() > 0.75 * bounds(reference_("pelvis")).diagonal().norm();
   }
   TriMesh reference_(const std::string& body) const { return boneOnly(out_.anatomy, body); }
 
@@ -416,10 +425,11 @@ class Importer {
       const bool is_right = as_right.misfit < as_left.misfit;
       if (!*side) {
         const char* guess = is_right ? "right" : "left";
-        say(fmt::format("{}: its name tells no side; by its shape it is the {} one (surfaces {:.0f} "
-                        "% apart, {:.0f} % as the other)",
-                        where, guess, 100 * std::min(as_left.misfit, as_right.misfit),
-                        100 * std::max(as_left.misfit, as_right.misfit)));
+        say(fmt::format(
+            "{}: its name tells no side; by its shape it is the {} one (surfaces {:.0f} "
+            "% apart, {:.0f} % as the other)",
+            where, guess, 100 * std::min(as_left.misfit, as_right.misfit),
+            100 * std::max(as_left.misfit, as_right.misfit)));
         found[guess] = is_right ? as_right : as_left;
         continue;
       }
@@ -427,10 +437,11 @@ class Importer {
       const Placed &as_named = named_right ? as_right : as_left,
                    &as_other = named_right ? as_left : as_right;
       if (as_other.misfit < kMirrored * as_named.misfit) {
-        throw Error(fmt::format("{}: has the shape of the other side's {}; it is mirrored (a "
-                                "left-handed system of axes: mirror it back, or give --axes), or "
-                                "its name says the wrong side",
-                                where, name));
+        throw Error(
+            fmt::format("{}: has the shape of the other side's {}; it is mirrored (a "
+                        "left-handed system of axes: mirror it back, or give --axes), or "
+                        "its name says the wrong side",
+                        where, name));
       }
       found[side] = as_named;
     }

@@ -14,9 +14,9 @@ struct ImportOptions {
   std::string map;        // JSON, which file is which bone; "" for none
   std::string landmarks;  // landmark_file.h; "" for none
   std::string unit;       // "mm", "cm", "m"; "" to guess
-  std::string axes;       // where x, y and z of the files point: letters of A P, L R, S I; "" to guess
-  double stature = 0;     // [m]; 0: after the vertebrae's size
-  double mass = 0;        // [kg]; 0: after the stature, at the tables' body mass index
+  std::string axes;    // where x, y and z of the files point: letters of A P, L R, S I; "" to guess
+  double stature = 0;  // [m]; 0: after the vertebrae's size
+  double mass = 0;     // [kg]; 0: after the stature, at the tables' body mass index
 };
 
 struct ImportedTorso {

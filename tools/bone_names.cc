@@ -52,6 +52,9 @@ std::string sideOfName(const std::string& name) {
 
 std::vector<std::string> bodiesOfName(const std::string& name) {
   const std::string n = lowered(name);
+  if (finds(n, "disc|disk|(^|[^a-z])(ivd|body|pedicle|lamina|process|endplate|arch|nucleus)")) {
+    return {};
+  }
   std::smatch match;
   const std::regex level(
       "(^|[^a-z])(l|lum|lumbar|t|th|thor|thoracic|dorsal|c|cerv|cervical)[ _-]?"

@@ -40,8 +40,8 @@ const std::set<std::string>& knownBodies() {
     for (int i = 1; i <= 5; i++) out.insert("L" + std::to_string(i));
     for (int i = 1; i <= 12; i++) out.insert("T" + std::to_string(i));
     for (int i = 3; i <= 7; i++) out.insert("C" + std::to_string(i));
-    for (const char* limb : {"clavicle", "scapula", "upper_arm", "lower_arm", "hand", "thigh",
-                             "shin", "foot"}) {
+    for (const char* limb :
+         {"clavicle", "scapula", "upper_arm", "lower_arm", "hand", "thigh", "shin", "foot"}) {
       for (const char* side : {"", "left_", "right_"}) out.insert(std::string(side) + limb);
     }
     return out;
@@ -65,13 +65,15 @@ std::map<std::string, Names> readMap(const std::string& path) {
     Names names;
     for (const Json& item : value.is_array() ? value : Json::array({value})) {
       if (!item.is_string()) {
-        throw Error(fmt::format("{}: {}: must be the name of a body or a list of names", path, name));
+        throw Error(
+            fmt::format("{}: {}: must be the name of a body or a list of names", path, name));
       }
       const std::string body = item.get<std::string>();
       if (!body.empty() && !knownBodies().count(body)) {
-        throw Error(fmt::format("{}: {}: no body is called '{}'; bodies are L5 .. C3, pelvis, "
-                                "ribcage, head, left_scapula, ...",
-                                path, name, body));
+        throw Error(
+            fmt::format("{}: {}: no body is called '{}'; bodies are L5 .. C3, pelvis, "
+                        "ribcage, head, left_scapula, ...",
+                        path, name, body));
       }
       if (!body.empty()) names.push_back(body);
     }
@@ -129,9 +131,10 @@ class PieceReader {
       }
     }
     if (pieces_.empty()) {
-      throw Error(fmt::format("{}: no file is named after a bone of the torso (L3, lumbar1, ribcage, "
-                              "r_scapula, ...); say with --map which is which",
-                              folder_));
+      throw Error(
+          fmt::format("{}: no file is named after a bone of the torso (L3, lumbar1, ribcage, "
+                      "r_scapula, ...); say with --map which is which",
+                      folder_));
     }
     return pieces_;
   }
@@ -171,7 +174,8 @@ class PieceReader {
         }
       }
       if (bodies.empty()) {
-        remarks_.push_back(where + ": its name tells no bone; skipped (--map can name it)");
+        remarks_.push_back(
+            where + ": not named after a whole bone of the torso; skipped (--map can name it)");
         continue;
       }
       addObject(object, where, bodies, sideOfName(side_source));
@@ -208,9 +212,10 @@ class PieceReader {
       }
       bodies = {"L5", "L4", "L3", "L2", "L1"};
       if (parts.size() != bodies.size()) {
-        throw Error(fmt::format("{}: {} vertebrae in one object; name them from below in --map, e.g. "
-                                "{{\"{}\": [\"L5\", \"L4\"]}}",
-                                where, parts.size(), fs::path(object.file).filename().string()));
+        throw Error(
+            fmt::format("{}: {} vertebrae in one object; name them from below in --map, e.g. "
+                        "{{\"{}\": [\"L5\", \"L4\"]}}",
+                        where, parts.size(), fs::path(object.file).filename().string()));
       }
       remarks_.push_back(where + ": five vertebrae, taken for L5 .. L1 from below");
     }
@@ -231,21 +236,20 @@ class PieceReader {
   std::vector<TriMesh> partsOf(const TriMesh& mesh, const std::string& where, const Names& bodies,
                                bool spine) {
     std::vector<TriMesh> parts = connectedParts(mesh);
-    std::sort(parts.begin(), parts.end(), [](const TriMesh& a, const TriMesh& b) {
-      return signedVolume(a) > signedVolume(b);
-    });
+    std::sort(parts.begin(), parts.end(),
+              [](const TriMesh& a, const TriMesh& b) { return signedVolume(a) > signedVolume(b); });
     const double largest = signedVolume(parts.front());
     std::size_t count = 0;
     while (count < parts.size() && signedVolume(parts[count]) > kSmallPart * largest) count++;
     const bool vertebrae = spine || isLevel(bodies.front());
     if (!vertebrae) count = std::min(parts.size(), bodies.size());
     if (!spine && count != bodies.size()) {
-      throw Error(fmt::format("{}: has {} connected parts, not {}; the map must name them all", where,
-                              count, bodies.size()));
+      throw Error(fmt::format("{}: has {} connected parts, not {}; the map must name them all",
+                              where, count, bodies.size()));
     }
     if (parts.size() > count) {
-      remarks_.push_back(fmt::format("{}: {} small parts (discs?) skipped", where,
-                                     parts.size() - count));
+      remarks_.push_back(
+          fmt::format("{}: {} small parts (discs?) skipped", where, parts.size() - count));
     }
     parts.resize(count);
     if (vertebrae && count > 1) return fromBelow(parts, where);
@@ -264,19 +268,20 @@ class PieceReader {
 }  // namespace
 
 Matrix3d axesMatrix(const std::string& letters) {
-  const std::map<char, Vector3d> kLetters = {
-      {'A', Vector3d::UnitX()}, {'P', -Vector3d::UnitX()}, {'L', Vector3d::UnitY()},
-      {'R', -Vector3d::UnitY()}, {'S', Vector3d::UnitZ()}, {'I', -Vector3d::UnitZ()}};
+  const std::map<char, Vector3d> kLetters = {{'A', Vector3d::UnitX()}, {'P', -Vector3d::UnitX()},
+                                             {'L', Vector3d::UnitY()}, {'R', -Vector3d::UnitY()},
+                                             {'S', Vector3d::UnitZ()}, {'I', -Vector3d::UnitZ()}};
   Matrix3d M = Matrix3d::Zero();
   for (int i = 0; i < 3 && letters.size() == 3; i++) {
     const auto it = kLetters.find(static_cast<char>(std::toupper(letters[i])));
     if (it != kLetters.end()) M.col(i) = it->second;
   }
   if (std::abs(M.determinant()) != 1) {
-    throw Error(fmt::format("--axes {}: must be three letters that say where x, y and z point, one "
-                            "each of A P (front, back), L R, S I (up, down); e.g. ASR for x front, "
-                            "y up, z right",
-                            letters));
+    throw Error(
+        fmt::format("--axes {}: must be three letters that say where x, y and z point, one "
+                    "each of A P (front, back), L R, S I (up, down); e.g. ASR for x front, "
+                    "y up, z right",
+                    letters));
   }
   return M;
 }

@@ -1,6 +1,9 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <unistd.h>
+
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -13,6 +16,32 @@
 #include "tools/paths.h"
 
 namespace torso::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Writes all models beside the folder first, so that a failure leaves it as it was.
+void buildBeside(const ImportedTorso& torso, const std::string& folder) {
+  const std::string temporary =
+      fmt::format("{}.{}.tmp", fs::path(folder).lexically_normal().string(), getpid());
+  std::error_code error;
+  try {
+    buildModels(torso.anatomy, temporary, &torso.own);
+    makeFolder(folder + "/assets");
+    for (const auto& entry : fs::recursive_directory_iterator(temporary)) {
+      if (!entry.is_regular_file()) continue;
+      const fs::path to = fs::path(folder) / fs::relative(entry.path(), temporary);
+      fs::rename(entry.path(), to, error);
+      if (error) throw Error(fmt::format("{}: cannot write: {}", to.string(), error.message()));
+    }
+  } catch (...) {
+    fs::remove_all(temporary, error);
+    throw;
+  }
+  fs::remove_all(temporary, error);
+}
+
+}  // namespace
 
 void addImportBones(CLI::App& app) {
   struct Command {
@@ -25,9 +54,11 @@ void addImportBones(CLI::App& app) {
   command->footer(fmt::format(
       "DIR holds meshes (OBJ, STL, PLY, glTF, ...; VTP of OpenSim), one bone each or several in\n"
       "objects of their own, with names as L3, lumbar1, T6, cerv3, sacrum, l_pelvis, ribcage,\n"
-      "r_scapula, skull. What is guessed is said on stderr. Bones that are not there are generated,\n"
+      "r_scapula, skull. What is guessed is said on stderr. Bones that are not there are "
+      "generated,\n"
       "in proportion to their neighbours. Writes what `torso build` does.\n\n"
-      "--map: JSON, file (or file/object) to body; a list names the parts of one object, vertebrae\n"
+      "--map: JSON, file (or file/object) to body; a list names the parts of one object, "
+      "vertebrae\n"
       "from below; \"\" leaves a file out:\n"
       "  {{\"scan1.stl\": \"L3\", \"spine.obj\": [\"L5\", \"L4\"], \"skin.obj\": \"\"}}\n"
       "--landmarks: JSON or CSV, in the unit and axes of the files, over what is found:\n"
@@ -52,10 +83,9 @@ void addImportBones(CLI::App& app) {
   command->add_option("--anatomy", options->anatomy, "Folder of the anatomy tables");
   command->callback([options] {
     if (options->anatomy.empty()) options->anatomy = anatomyFolder();
-    const ImportedTorso torso =
-        importBones(Anatomy::load(options->anatomy), options->import);
+    const ImportedTorso torso = importBones(Anatomy::load(options->anatomy), options->import);
     for (const std::string& remark : torso.remarks) fmt::print(stderr, "{}\n", remark);
-    buildModels(torso.anatomy, options->output, &torso.own);
+    buildBeside(torso, options->output);
     fmt::print("{}: torso.xml, human.xml, human_fixed.xml, scene.xml, torso_held.xml, assets/\n",
                options->output);
     fmt::print("own bones: {}\n", fmt::join(torso.imported, " "));

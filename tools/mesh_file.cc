@@ -45,9 +45,10 @@ void checkStl(const std::string& path) {
   std::uint32_t count;
   std::copy_n(bytes.data() + 80, 4, reinterpret_cast<char*>(&count));
   if (bytes.size() < 84 + 50 * static_cast<std::size_t>(count)) {
-    throw Error(fmt::format("{}: the file is cut short: it announces {} triangles and has room "
-                            "for {}; copy or export it again",
-                            path, count, (bytes.size() - 84) / 50));
+    throw Error(
+        fmt::format("{}: the file is cut short: it announces {} triangles and has room "
+                    "for {}; copy or export it again",
+                    path, count, (bytes.size() - 84) / 50));
   }
 }
 
@@ -66,8 +67,7 @@ void addNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent
     for (unsigned i = 0; i < m.mNumFaces; i++) {
       const aiFace& f = m.mFaces[i];
       if (f.mNumIndices != 3) continue;  // points and lines
-      object.mesh.faces.push_back({static_cast<int>(f.mIndices[0]),
-                                   static_cast<int>(f.mIndices[1]),
+      object.mesh.faces.push_back({static_cast<int>(f.mIndices[0]), static_cast<int>(f.mIndices[1]),
                                    static_cast<int>(f.mIndices[2])});
     }
     if (!object.mesh.faces.empty()) out->push_back(object);
@@ -99,20 +99,20 @@ class VtpReader {
       throw Error(fmt::format("{}: line {}: not whole XML ({}); copy or export it again", path_,
                               document.ErrorLineNum(), document.ErrorName()));
     }
-    const tinyxml2::XMLElement* piece =
-        tinyxml2::XMLHandle(document.FirstChildElement("VTKFile"))
-            .FirstChildElement("PolyData")
-            .FirstChildElement("Piece")
-            .ToElement();
+    const tinyxml2::XMLElement* piece = tinyxml2::XMLHandle(document.FirstChildElement("VTKFile"))
+                                            .FirstChildElement("PolyData")
+                                            .FirstChildElement("Piece")
+                                            .ToElement();
     if (!piece) throw Error(path_ + ": no VTKFile/PolyData/Piece; only VTK PolyData can be read");
     NamedMesh out;
     out.file = path_;
     const std::vector<double> xyz = numbers(piece, "Points", nullptr);
     const auto count = static_cast<std::size_t>(piece->IntAttribute("NumberOfPoints"));
     if (xyz.size() != 3 * count) {
-      throw Error(fmt::format("{}: Points: {} numbers instead of 3 x {}; the file is cut short or "
-                              "damaged",
-                              path_, xyz.size(), count));
+      throw Error(
+          fmt::format("{}: Points: {} numbers instead of 3 x {}; the file is cut short or "
+                      "damaged",
+                      path_, xyz.size(), count));
     }
     for (std::size_t i = 0; i < count; i++) {
       out.mesh.vertices.emplace_back(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]);
@@ -145,8 +145,8 @@ class VtpReader {
       char* end;
       values.push_back(std::strtod(text, &end));
       if (end == text) {
-        throw Error(fmt::format("{}: line {}: {}: '{}' is not a number", path_,
-                                array->GetLineNum(), what, std::string(text).substr(0, 12)));
+        throw Error(fmt::format("{}: line {}: {}: '{}' is not a number", path_, array->GetLineNum(),
+                                what, std::string(text).substr(0, 12)));
       }
       text = end;
     }
