@@ -15,6 +15,7 @@
 #include "model/mesh_repair.h"
 #include "model/spine_fit.h"
 #include "tools/bone_pieces.h"
+#include "tools/bone_placement.h"
 #include "tools/error.h"
 #include "tools/landmark_file.h"
 
@@ -25,11 +26,6 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A bone this many times as large or small as the tables' is in the wrong unit, or another bone.
-constexpr double kLargest = 1.75;
-// A shoulder bone that fits so much better mirrored is of the other side.
-constexpr double kMirrored = 0.8;
-
 struct Unit {
   const char* name;
   double metres;
@@ -39,13 +35,6 @@ constexpr Unit kUnits[] = {{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}};
 double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
   return values[values.size() / 2];
-}
-
-TriMesh boneOnly(const Anatomy& a, const std::string& body) {
-  for (const BonePart& part : boneMesh(a, body)) {
-    if (part.tissue == Tissue::kBone) return part.mesh;
-  }
-  return {};
 }
 
 class Importer {
@@ -72,9 +61,14 @@ class Importer {
               : "vertebrae do not lie in the files as in a spine: set upon each other along the "
                 "standing spine, with discs of the tables' height");
     }
+    std::vector<BonePiece> others;
+    for (const BonePiece& piece : pieces_) {
+      if (isVertebra(piece.body)) continue;
+      others.push_back(piece);
+      others.back().mesh = inMetres(piece.mesh);
+    }
+    placeBones(others, file_axes_, &fit.anatomy, &out_.own.meshes, &out_.remarks);
     out_.anatomy = fit.anatomy;
-    placeOthers();
-    fit.anatomy = out_.anatomy;
     std::map<std::string, TriMesh> vertebrae;
     for (const auto& [level, X] : fit.placement) {
       vertebrae[level] = transformed(meshes_.at(level), X);
@@ -171,7 +165,7 @@ class Importer {
     metres_ = unit->metres;
     for (const auto& [ratio, piece] : ratios) {
       const double r = ratio * metres_;
-      if (r < kLargest && r > 1 / kLargest) continue;
+      if (r < kLargestRatio && r > 1 / kLargestRatio) continue;
       throw Error(fmt::format(
           "{}: {} would be {:.4g} m from end to end in {}, {:.3g} times the tables'; give the "
           "right --unit, or scale the file, or name the bone with --map",
@@ -281,192 +275,6 @@ class Importer {
     return tables_.scaled(length, mass);
   }
 
-  // Bones that are no vertebrae, from the trunk outwards.
-  void placeOthers() {
-    for (const char* name : {"pelvis", "ribcage", "head"}) placeMiddle(name);
-    for (const char* name :
-         {"clavicle", "scapula", "upper_arm", "lower_arm", "hand", "thigh", "shin", "foot"}) {
-      placePair(name);
-    }
-    for (const auto& [body, placed] : placed_) {
-      const auto [side, name] = splitSide(body);
-      Vector3d to = bodyAnchor(out_.anatomy, name);
-      if (side == Side::kRight) to = mirror(to);
-      TriMesh mesh = placed.mesh;
-      for (Vector3d& v : mesh.vertices) v = placed.rotation * (v - placed.anchor) + to;
-      out_.own.meshes[body] = mesh;
-    }
-  }
-
-  struct Placed {
-    TriMesh mesh;  // [m], file axes
-    Matrix3d rotation;
-    Vector3d anchor;  // of the body, in the mesh
-    double ratio;     // size over the generated bone
-    double misfit;
-  };
-
-  std::vector<Matrix3d> starts() const {
-    return file_axes_ ? std::vector<Matrix3d>{*file_axes_} : axisTurns();
-  }
-
-  Placed place(const TriMesh& mesh, const TriMesh& reference, const Vector3d& anchor,
-               const std::string& where, const std::string& body) const {
-    const Registration r = registerBone(mesh, reference, starts());
-    const Vector3d at = r.rotation.transpose() * (anchor - r.translation) / r.scale;
-    const double ratio = 1 / r.scale;
-    if (ratio > kLargest || ratio < 1 / kLargest) {
-      throw Error(
-          fmt::format("{}: {} is {:.3g} times as large as it should be; check --unit, or "
-                      "name the bone with --map",
-                      where, body, ratio));
-    }
-    return {mesh, r.rotation, at, ratio, r.misfit};
-  }
-
-  void report(const std::string& body, const Placed& p) {
-    say(
-        fmt::format("{}: laid over the generated bone: {:.2f} times as large, surfaces {:.0f} % of "
-                    "its size apart",
-                    body, p.ratio, 100 * p.misfit));
-  }
-
-  void placeMiddle(const std::string& body) {
-    TriMesh mesh;
-    std::string where, sides;
-    bool whole = false;
-    for (const BonePiece& piece : pieces_) {
-      if (piece.body != body) continue;
-      append(mesh, inMetres(piece.mesh));
-      where = piece.where;
-      sides += piece.side + " ";
-      whole = whole || piece.side.empty();
-    }
-    if (mesh.faces.empty()) return;
-    TriMesh ref = boneOnly(out_.anatomy, body);
-    if (body == "pelvis") {
-      const bool left = sides.find("left") != std::string::npos;
-      const bool right = sides.find("right") != std::string::npos;
-      if (!left && !right && !pelvisIsWhole(mesh)) {
-        say(where + ": a sacrum without hip bones; the generated pelvis is kept");
-        return;
-      }
-      if (left != right) {
-        // Half a pelvis: the other half is its mirror image, in the plane of the sacrum.
-        mesh = completedPelvis(mesh, where);
-      }
-    }
-    const Placed p = place(mesh, ref, bodyAnchor(out_.anatomy, body), where, body);
-    report(body, p);
-    resizeBody(body, p.ratio, &out_.anatomy);
-    placed_[body] = p;
-  }
-
-  // A sacrum alone is as wide as it is tall; a pelvis twice as wide.
-  bool pelvisIsWhole(const TriMesh& mesh) const {
-    return bounds(mesh).diagonal().norm() > 0.75 * bounds(reference_("pelvis")).diagonal().norm();
-  }
-  TriMesh reference_(const std::string& body) const { return boneOnly(out_.anatomy, body); }
-
-  TriMesh completedPelvis(const TriMesh&, const std::string& where) {
-    TriMesh out;
-    // The mid-plane that mirrors the sacrum onto itself: of the axis that points to the side.
-    const Matrix3d M = file_axes_ ? *file_axes_ : Matrix3d::Identity();
-    const Vector3d out_axis = M.transpose() * Vector3d::UnitY();
-    std::optional<double> middle;
-    for (const BonePiece& piece : pieces_) {
-      if (piece.body == "pelvis" && piece.side.empty()) {
-        const Vector3d c = inMetres(piece.mesh).vertices.empty()
-                               ? Vector3d::Zero()
-                               : (metres_ * bounds(piece.mesh).center()).eval();
-        middle = out_axis.dot(c);
-      }
-    }
-    for (const BonePiece& piece : pieces_) {
-      if (piece.body != "pelvis") continue;
-      const TriMesh m = inMetres(piece.mesh);
-      append(out, m);
-      if (piece.side.empty()) continue;
-      TriMesh other = m;
-      // Without a sacrum: the plane at the symphysis, the bone's innermost place.
-      double plane = middle.value_or(0);
-      if (!middle) {
-        plane = out_axis.dot(m.vertices.front());
-        const double sign = piece.side == "left" ? 1 : -1;
-        for (const Vector3d& v : m.vertices) {
-          plane = sign * std::min(sign * plane, sign * out_axis.dot(v));
-        }
-      }
-      for (Vector3d& v : other.vertices) v -= 2 * (out_axis.dot(v) - plane) * out_axis;
-      for (auto& f : other.faces) std::swap(f[1], f[2]);
-      append(out, other);
-      say(where + ": one hip bone only; the other is its mirror image");
-    }
-    return out;
-  }
-
-  // Of one side or of both; a missing one is the mirror image of the other.
-  void placePair(const std::string& name) {
-    std::map<std::string, Placed> found;
-    for (const char* side : {"left", "right", ""}) {
-      const std::string body = *side ? std::string(side) + "_" + name : name;
-      TriMesh mesh;
-      std::string where;
-      for (const BonePiece& piece : pieces_) {
-        if (piece.body != body) continue;
-        append(mesh, inMetres(piece.mesh));
-        where = piece.where;
-      }
-      if (mesh.faces.empty()) continue;
-      const Vector3d anchor = bodyAnchor(out_.anatomy, name);
-      const TriMesh left = boneOnly(out_.anatomy, "left_" + name), right = mirrored(left);
-      const Placed as_left = place(mesh, left, anchor, where, body);
-      const Placed as_right = place(mesh, right, mirror(anchor), where, body);
-      const bool is_right = as_right.misfit < as_left.misfit;
-      if (!*side) {
-        const char* guess = is_right ? "right" : "left";
-        say(fmt::format(
-            "{}: its name tells no side; by its shape it is the {} one (surfaces {:.0f} "
-            "% apart, {:.0f} % as the other)",
-            where, guess, 100 * std::min(as_left.misfit, as_right.misfit),
-            100 * std::max(as_left.misfit, as_right.misfit)));
-        found[guess] = is_right ? as_right : as_left;
-        continue;
-      }
-      const bool named_right = std::string(side) == "right";
-      const Placed &as_named = named_right ? as_right : as_left,
-                   &as_other = named_right ? as_left : as_right;
-      if (as_other.misfit < kMirrored * as_named.misfit) {
-        throw Error(
-            fmt::format("{}: has the shape of the other side's {}; it is mirrored (a "
-                        "left-handed system of axes: mirror it back, or give --axes), or "
-                        "its name says the wrong side",
-                        where, name));
-      }
-      found[side] = as_named;
-    }
-    if (found.empty()) return;
-    double ratio = 1;
-    for (const auto& [side, p] : found) {
-      report(side + "_" + name, p);
-      ratio *= std::pow(p.ratio, 1.0 / static_cast<double>(found.size()));
-    }
-    resizeBody(name, ratio, &out_.anatomy);
-    for (const auto& [side, p] : found) placed_[side + "_" + name] = p;
-    if (found.size() == 1) {
-      const auto& [side, p] = *found.begin();
-      const std::string other = side == "left" ? "right" : "left";
-      // Mirrored in the standing body.
-      Placed q = p;
-      for (Vector3d& v : q.mesh.vertices) v = mirror(p.rotation * (v - p.anchor));
-      for (auto& f : q.mesh.faces) std::swap(f[1], f[2]);
-      q.rotation = Matrix3d::Identity();
-      q.anchor = Vector3d::Zero();
-      placed_[other + "_" + name] = q;
-      say(fmt::format("{}_{}: mirror image of the {} one", other, name, side));
-    }
-  }
-
   const Anatomy& tables_;
   const ImportOptions& o_;
   ImportedTorso out_;
@@ -478,7 +286,6 @@ class Importer {
   std::map<std::string, TriMesh> references_, meshes_;  // meshes_: of the levels [m]
   double metres_ = 1;                                   // of the file's unit
   SpineLandmarks found_;
-  std::map<std::string, Placed> placed_;
 };
 
 }  // namespace
