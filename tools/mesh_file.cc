@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cctype>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -28,27 +29,41 @@ std::string extension(const std::string& path) {
   return ext;
 }
 
-// A binary STL says how many triangles it holds; assimp believes an ASCII-looking start instead,
-// and tells neither of what is missing at its end.
-void checkStl(const std::string& path) {
+// Damage that assimp 5.2 does not tell of: triangles missing at the end of an STL, vertices or
+// faces at the end of an ASCII PLY; and a PLY without the end of its header, which it reads
+// forever.
+void checkWhole(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream content;
   content << file.rdbuf();
   const std::string bytes = content.str();
-  if (bytes.rfind("solid", 0) == 0 && bytes.find("facet") != std::string::npos) {
-    if (bytes.find("endsolid") == std::string::npos) {
-      throw Error(path + ": the file is cut short (no 'endsolid'); copy or export it again");
+  const auto cutShort = [&](const std::string& why) {
+    throw Error(fmt::format("{}: the file is cut short ({}); copy or export it again", path, why));
+  };
+  if (extension(path) == ".ply") {
+    const std::size_t header = bytes.find("end_header");
+    if (header == std::string::npos) cutShort("its header has no end_header");
+    if (bytes.find("format ascii") > header) return;
+    // A line for each element.
+    long elements = 0;
+    for (std::size_t at = bytes.find("element "); at < header;
+         at = bytes.find("element ", at + 1)) {
+      elements += std::strtol(bytes.c_str() + bytes.find(' ', at + 8), nullptr, 10);
     }
+    long lines = std::count(bytes.begin() + static_cast<long>(header), bytes.end(), '\n') - 1;
+    if (bytes.back() != '\n') lines++;
+    if (lines < elements) cutShort(fmt::format("{} elements of {}", lines, elements));
     return;
   }
-  if (bytes.size() < 84) throw Error(path + ": the file is cut short; copy or export it again");
+  if (bytes.rfind("solid", 0) == 0 && bytes.find("facet") != std::string::npos) {
+    if (bytes.find("endsolid") == std::string::npos) cutShort("no endsolid");
+    return;
+  }
+  if (bytes.size() < 84) cutShort("no whole header");
   std::uint32_t count;
   std::copy_n(bytes.data() + 80, 4, reinterpret_cast<char*>(&count));
-  if (bytes.size() < 84 + 50 * static_cast<std::size_t>(count)) {
-    throw Error(
-        fmt::format("{}: the file is cut short: it announces {} triangles and has room "
-                    "for {}; copy or export it again",
-                    path, count, (bytes.size() - 84) / 50));
+  if ((bytes.size() - 84) / 50 < count) {
+    cutShort(fmt::format("{} triangles of {}", (bytes.size() - 84) / 50, count));
   }
 }
 
@@ -78,7 +93,7 @@ void addNode(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent
 }
 
 std::vector<NamedMesh> readAssimp(const std::string& path) {
-  if (extension(path) == ".stl") checkStl(path);
+  if (extension(path) == ".stl" || extension(path) == ".ply") checkWhole(path);
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
   if (!scene || !scene->mRootNode) {
