@@ -338,6 +338,18 @@ Isometry3d givenFrame(const GivenLandmarks& given) {
   return X;
 }
 
+// Of the body, from its endplates in the vertebra's axes.
+void heightsBetween(VertebraLandmarks* l) {
+  const Landmark &upper = l->upper_endplate, &lower = l->lower_endplate;
+  const auto heightAt = [](const Landmark& plate, double x) {
+    return plate.centre.z() - plate.normal.x() / plate.normal.z() * (x - plate.centre.x());
+  };
+  const double middle = (upper.centre.x() + lower.centre.x()) / 2;
+  const double half = (upper.height + lower.height) / 4;
+  l->body_height_anterior = heightAt(upper, middle + half) - heightAt(lower, middle + half);
+  l->body_height_posterior = heightAt(upper, middle - half) - heightAt(lower, middle - half);
+}
+
 bool gives(const GivenLandmarks& given, const char* name) { return given.count(name) > 0; }
 
 }  // namespace
@@ -410,6 +422,7 @@ VertebraLandmarks findLandmarks(const TriMesh& mesh, const VertebraPrior& prior,
   };
   take("upper_endplate", &out.upper_endplate);
   take("lower_endplate", &out.lower_endplate);
+  if (gives(given, "upper_endplate") || gives(given, "lower_endplate")) heightsBetween(&out);
   takePoint("spinous_tip", &out.spinous_tip);
   takePoint("left_transverse_tip", &out.transverse_tip[0]);
   takePoint("right_transverse_tip", &out.transverse_tip[1]);

@@ -135,6 +135,18 @@ TEST(VertebraLandmarks, GivenOnesGoFirst) {
   EXPECT_LT((found.superior_face[1].centre - free.superior_face[1].centre).norm(), 1e-9);
 }
 
+TEST(VertebraLandmarks, GivenEndplatesSetTheBodysHeight) {
+  const VertebraPrior prior = vertebraPrior(anatomy(), "L4");
+  const TriMesh mesh = generated("L4");
+  const auto free = findLandmarks(mesh, prior);
+  GivenLandmarks given;
+  given["upper_endplate"] = free.upper_endplate;
+  given["upper_endplate"].centre += 3e-3 * free.upper_endplate.normal;
+  const auto found = findLandmarks(mesh, prior, given);
+  EXPECT_NEAR(found.body_height_anterior, free.body_height_anterior + 3e-3, 0.3e-3);
+  EXPECT_NEAR(found.body_height_posterior, free.body_height_posterior + 3e-3, 0.3e-3);
+}
+
 TEST(VertebraLandmarks, SayWhatToGiveIfThereIsNoVertebra) {
   const TriMesh clavicle = boneMesh(anatomy(), "left_clavicle")[0].mesh;
   try {

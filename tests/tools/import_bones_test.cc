@@ -260,6 +260,30 @@ TEST_F(ImportBones, TellsLeftFromRightAndMirrorsTheMissingOne) {
   EXPECT_LT((right - truth).norm() / n, 8e-3);
 }
 
+// In the unit and axes of the files; JSON and CSV alike.
+TEST_F(ImportBones, TakesLandmarksFromAFile) {
+  put("L3.stl", exported(bone("L3"), 1000, "LPS"));
+  const double span = import().anatomy.vertebra("L3").transverse_process_span;
+  const Vertebra& v = anatomy().vertebra("L3");
+  const Vector3d tip = v.frame() * Vector3d(-0.03, v.transverse_process_span / 2 + 0.01, 0);
+  const Vector3d p = 1000 * (axesMatrix("LPS").transpose() * tip);
+  write("a.json",
+        fmt::format(R"({{"L3": {{"left_transverse_tip": [{}, {}, {}]}}}})", p.x(), p.y(), p.z()));
+  write("a.csv", fmt::format("level,landmark,x,y,z,normal_x,normal_y,normal_z,width,height\n"
+                             "L3,left_transverse_tip,{},{},{},,,,,\n",
+                             p.x(), p.y(), p.z()));
+  for (const char* file : {"a.json", "a.csv"}) {
+    for (const char* axes : {"", "LPS"}) {
+      ImportOptions options;
+      options.folder = (folder_ / "in").string();
+      options.landmarks = (folder_ / file).string();
+      options.axes = axes;
+      const Anatomy a = importBones(anatomy(), options).anatomy;
+      EXPECT_NEAR(a.vertebra("L3").transverse_process_span, span + 0.01, 1e-3) << file << axes;
+    }
+  }
+}
+
 // Once through the whole command: the models load and run.
 TEST_F(ImportBones, WritesModelsThatSimulate) {
   for (const char* level : {"L2", "L3", "L4"}) {
@@ -288,8 +312,7 @@ TEST_F(ImportBones, RefusesOpenMeshes) {
 }
 
 TEST_F(ImportBones, RefusesBranchingSurfaces) {
-  // A wall through the body, from edge to edge: one triangle for each edge of a cut would do; a fan
-  // over many edges is as bad.
+  // Walls from every other face's edge to the middle of the body.
   TriMesh mesh = bone("L3");
   const int n = static_cast<int>(mesh.vertices.size());
   mesh.vertices.push_back(anatomy().vertebra("L3").position);
@@ -378,7 +401,7 @@ TEST_F(ImportBones, RefusesMissingLevels) {
 
 TEST_F(ImportBones, NamesTheLandmarkToGive) {
   put("L3.stl", bone("left_clavicle"));
-  expectRefused("--unit m", {"in/L3.stl", "L3"});
+  expectRefused("--unit m", {"in/L3.stl", "upper_endplate", "spinous_tip", "--landmarks"});
 }
 
 }  // namespace
