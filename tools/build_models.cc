@@ -1,6 +1,8 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "tools/build_models.h"
 
+#include <utility>
+
 #include "tools/bone_files.h"
 #include "tools/torso_mjcf.h"
 
@@ -21,15 +23,31 @@ std::string bodyText(const Anatomy& anatomy, const MjcfOptions& options) {
   return text(document);
 }
 
+// The person's own bones, and the others made.
+Skeleton skeletonOf(const Anatomy& anatomy, const std::vector<std::string>& bodies, int threads,
+                    const std::function<void(double)>& progress, const OwnBones* own) {
+  std::vector<std::string> made;
+  for (const std::string& body : bodies) {
+    if (!own || !own->meshes.count(body)) made.push_back(body);
+  }
+  Skeleton generated(anatomy, made, threads, progress);
+  if (!own) return generated;
+  std::map<std::string, std::vector<BonePart>> parts;
+  for (const std::string& body : made) parts[body] = generated.parts(body);
+  for (const auto& [body, mesh] : own->meshes) parts[body] = {{Tissue::kBone, mesh}};
+  return Skeleton(std::move(parts));
+}
+
 }  // namespace
 
-Files buildModels(const Anatomy& anatomy, int threads,
-                  const std::function<void(double)>& progress) {
-  MjcfOptions human;
+Files buildModels(const Anatomy& anatomy, int threads, const std::function<void(double)>& progress,
+                  const OwnBones* own) {
+  MjcfOptions torso, human;
   human.limbs = true;
   human.scene = true;
-  const Skeleton skeleton(anatomy, mjcfBodies(anatomy, human), threads, progress);
-  human.skeleton = &skeleton;
+  const Skeleton skeleton = skeletonOf(anatomy, mjcfBodies(anatomy, human), threads, progress, own);
+  torso.skeleton = human.skeleton = &skeleton;
+  torso.own = human.own = own;
   Files files;
   for (auto& [name, content] : boneFiles(anatomy, skeleton)) files["assets/" + name] = content;
   tinyxml2::XMLDocument scene, held;
@@ -37,8 +55,6 @@ Files buildModels(const Anatomy& anatomy, int threads,
   files["scene.xml"] = text(scene);
   writeHeldScene(held);
   files["torso_held.xml"] = text(held);
-  MjcfOptions torso;
-  torso.skeleton = &skeleton;
   files["torso.xml"] = bodyText(anatomy, torso);
   files["human.xml"] = bodyText(anatomy, human);
   human.kind = TorsoKind::kFixed;

@@ -14,6 +14,7 @@ void addCalibrateDiscs(CLI::App& app);
 void addDiscs(CLI::App& app);
 void addGraft(CLI::App& app);
 void addIdentify(CLI::App& app);
+void addImportBones(CLI::App& app);
 void addInfo(CLI::App& app);
 void addRender(CLI::App& app);
 void addRom(CLI::App& app);

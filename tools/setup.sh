@@ -4,7 +4,7 @@
 cd "$(dirname "$0")/.." || exit 1
 
 packages="build-essential cmake ninja-build libmujoco-dev libmujoco-samples libqhull-dev libeigen3-dev
-  libtinyxml2-dev libcli11-dev nlohmann-json3-dev libfmt-dev libpng-dev libegl-dev libopengl-dev libegl-mesa0
+  libassimp-dev libtinyxml2-dev libcli11-dev nlohmann-json3-dev libfmt-dev libpng-dev libegl-dev libopengl-dev libegl-mesa0
   libgl1-mesa-dri libglx-mesa0 libgtest-dev libgmock-dev libbenchmark-dev gnuplot-nox"
 
 # install_packages NAME...: with apt-get, as root or through sudo, if any of them is not there.

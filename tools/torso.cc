@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   });
   addBuild(app);
   addIdentify(app);
+  addImportBones(app);
   addInfo(app);
   addRom(app);
   addRun(app);

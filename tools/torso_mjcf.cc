@@ -74,6 +74,11 @@ class Writer {
     return Quaterniond(frame(body).linear().transpose() * standing);
   }
 
+  std::vector<Tissue> tissues(const std::string& body) const {
+    if (o_.own && o_.own->meshes.count(body)) return {Tissue::kBone};
+    return boneTissues(a_, body);
+  }
+
   void writeOptions();
   void writeDefaults();
   void writeAssets();
@@ -115,17 +120,21 @@ void Writer::write() {
   root_->SetAttribute("model", named(o_.limbs ? "human" : "torso").c_str());
   if (detailed()) {
     const Skeleton* bones = o_.skeleton;
-    for (const Facet& facet : bones ? makeFacets(a_, *bones) : makeFacets(a_)) {
+    for (const Facet& facet : o_.own  ? o_.own->facets
+                              : bones ? makeFacets(a_, *bones)
+                                      : makeFacets(a_)) {
       if (has(facet.points_body) && has(facet.ellipsoid_body)) facets_.push_back(facet);
     }
-    for (const LigamentSegment& s : bones ? makeLigaments(a_, *bones) : makeLigaments(a_)) {
+    for (const LigamentSegment& s : o_.own  ? o_.own->ligaments
+                                    : bones ? makeLigaments(a_, *bones)
+                                            : makeLigaments(a_)) {
       if (has(bodyOfLevel(a_, s.lower)) && has(bodyOfLevel(a_, s.upper))) ligaments_.push_back(s);
     }
     for (const Disc& disc : a_.discs) {
       if (!has(bodyOfLevel(a_, disc.lower)) || !has(bodyOfLevel(a_, disc.upper))) continue;
       levels_.push_back(disc);
       discs_.push_back(makeDiscMesh(disc.shape));
-      if (!bones) continue;
+      if (!bones || o_.own) continue;
       fitDiscFaces(disc.frame, bones->bone(bodyOfLevel(a_, disc.lower)),
                    bones->bone(bodyOfLevel(a_, disc.upper)), kDiscReach * a_.length_scale,
                    &discs_.back());
@@ -236,7 +245,7 @@ void Writer::writeAssets() {
       .set("specular", 0.3)
       .set("shininess", 0.4);
   for (const std::string& body : o_.bones ? mjcfBodies(a_, o_) : std::vector<std::string>()) {
-    for (const Tissue tissue : boneTissues(a_, body)) {
+    for (const Tissue tissue : tissues(body)) {
       const std::string name = boneMeshName(body, tissue);
       Element mesh(asset, "mesh");
       mesh.set("name", named(name)).set("file", o_.mesh_dir + "/" + name + ".stl");
@@ -330,7 +339,7 @@ void Writer::writeInertial(XMLElement* element, const std::string& body) {
 }
 
 void Writer::writeBones(XMLElement* element, const std::string& body) {
-  for (const Tissue tissue : o_.bones ? boneTissues(a_, body) : std::vector<Tissue>()) {
+  for (const Tissue tissue : o_.bones ? tissues(body) : std::vector<Tissue>()) {
     const std::string name = boneMeshName(body, tissue);
     Element geom(element, "geom");
     geom.set("name", named(name)).set("class", named("bone")).set("mesh", named(name));

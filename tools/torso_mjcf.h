@@ -9,6 +9,7 @@
 #include "model/anatomy.h"
 #include "model/bone_mesh.h"
 #include "model/skeleton.h"
+#include "tools/own_bones.h"
 
 namespace torso::tools {
 
@@ -24,6 +25,7 @@ struct MjcfOptions {
   std::string prefix;               // put before every name
   double mesh_scale = 1;            // of the bone meshes, which are made at the size of the tables
   std::string mesh_dir = "assets";  // where they are, relative to the MJCF
+  const OwnBones* own = nullptr;    // in place of generated bones, facets and ligaments
   // Bones that discs, ligaments and facets are fitted to, of this anatomy; null: they are left
   // where the tables have them, some millimetres off the surfaces. Outlives the call.
   const Skeleton* skeleton = nullptr;
