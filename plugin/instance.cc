@@ -271,9 +271,11 @@ void Instance::boundWelds(const mjModel* m) {
       if (m->actuator_trntype[i] != mjTRN_SITE) continue;
       const int site = m->actuator_trnid[2 * i], ref = m->actuator_trnid[2 * i + 1];
       if (ref < 0) continue;
-      const int body = m->site_bodyid[site], ref_body = m->site_bodyid[ref];
-      if ((body == disc.upper_body && ref_body == disc.lower_body) ||
-          (body == disc.lower_body && ref_body == disc.upper_body)) {
+      // Servos' sites are on bodies that are fixed to the bones.
+      const int bone = m->body_weldid[m->site_bodyid[site]];
+      const int ref_bone = m->body_weldid[m->site_bodyid[ref]];
+      const int upper = m->body_weldid[disc.upper_body], lower = m->body_weldid[disc.lower_body];
+      if ((bone == upper && ref_bone == lower) || (bone == lower && ref_bone == upper)) {
         weld.servos.push_back(i);
       }
     }

@@ -90,6 +90,9 @@ std::string Grafter::freeName(const std::string& kind, std::string name) const {
 std::string Grafter::standingSite(const std::string& bone) {
   std::string& name = standing_sites_[bone];
   if (!name.empty()) return name;
+  // Vertebrae have one for their own servos.
+  XMLElement* own = ourBody(bone + "_axes");
+  if (own) return name = text(own->FirstChildElement("site"), "name");
   name = freeName("site", ours(bone + "_axes"));
   Element body(ourBody(bone), "body");
   body.set("name", freeName("body", ours(bone + "_axes")));

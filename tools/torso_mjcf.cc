@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "model/body.h"
@@ -88,6 +89,7 @@ class Writer {
   void writeBones(XMLElement* element, const std::string& body);
   void writeInertial(XMLElement* element, const std::string& body);
   XMLElement* facetBody(const std::string& body);
+  std::string axesSite(const std::string& body);
   void writeSites();
   void writeContacts();
   void writeTendons();
@@ -101,6 +103,7 @@ class Writer {
   const MjcfOptions& o_;
   XMLElement* root_;
   std::map<std::string, XMLElement*> bodies_, facet_bodies_;
+  std::set<std::string> axes_;  // bodies that have an axesSite
   std::vector<Facet> facets_;
   std::vector<LigamentSegment> ligaments_;
   std::vector<Disc> levels_;
@@ -441,6 +444,20 @@ XMLElement* Writer::facetBody(const std::string& body) {
   return element;
 }
 
+// A site with the axes of the standing body, for servos between bones. It is on a body of its own:
+// where a refsite is given MuJoCo 2.2.2 multiplies the quaternions of a site and its body in the
+// wrong order, so that a site that is turned in its body would read another angle as the whole
+// turns.
+std::string Writer::axesSite(const std::string& body) {
+  const std::string name = named(body + "_axes");
+  if (!axes_.insert(body).second) return name;
+  Element element(bodies_[body], "body");
+  element.set("name", name).set("quat", localRotation(body, Matrix3d::Identity()));
+  Element(element, "inertial").set("pos", {0, 0, 0}).set("mass", 0).set("diaginertia", {0, 0, 0});
+  Element(element, "site").set("name", name).set("class", named("disc_frame"));
+  return name;
+}
+
 void Writer::writeSites() {
   for (const Disc& disc : levels_) {
     for (const auto& [level, suffix] : {std::pair{disc.lower, "_lower"}, {disc.upper, "_upper"}}) {
@@ -595,9 +612,10 @@ void Writer::writeActuators() {
                               .mean;
         Element e(actuators, "general");
         common(e, disc.name + "_" + s.motion, s, flexion ? -rom[kExtension].mean : -hi, hi);
-        e.set("site", named(disc.name + "_upper"))
-            .set("refsite", named(disc.name + "_lower"))
-            .set("gear", {0, 0, 0, s.axis.x(), s.axis.y(), s.axis.z()});
+        const Vector3d axis = disc.frame.linear() * s.axis;
+        e.set("site", axesSite(bodyOfLevel(a_, disc.upper)))
+            .set("refsite", axesSite(bodyOfLevel(a_, disc.lower)))
+            .set("gear", {0, 0, 0, axis.x(), axis.y(), axis.z()});
       }
     }
   }

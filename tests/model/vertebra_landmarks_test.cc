@@ -12,6 +12,7 @@
 
 #include "model/bone_mesh.h"
 #include "model/fuse.h"
+#include "model/simplify.h"
 
 namespace torso {
 namespace {
