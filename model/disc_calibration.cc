@@ -30,11 +30,9 @@ double outcome(const DiscBench& bench, const DiscTest& test) {
 
 class Fit {
  public:
-  Fit(const std::vector<Disc>& discs, const std::vector<DiscTest>& tests, const DiscMaterial& start,
-      int threads)
-      : tests_(tests), material_(start), threads_(threads) {
-    for (const Disc& disc : discs) meshes_.push_back(makeDiscMesh(disc.shape));
-  }
+  Fit(const std::vector<DiscMesh>& discs, const std::vector<DiscTest>& tests,
+      const DiscMaterial& start, int threads)
+      : meshes_(discs), tests_(tests), material_(start), threads_(threads) {}
 
   DiscMaterial material(const VectorXd& logs) const {
     DiscMaterial m = material_;
@@ -124,15 +122,16 @@ const std::vector<FittedConstant>& fittedConstants() {
   return constants;
 }
 
-DiscCalibration calibrateDiscs(const std::vector<Disc>& discs, const std::vector<DiscTest>& tests,
-                               const DiscMaterial& start, int threads) {
+DiscCalibration calibrateDiscs(const std::vector<DiscMesh>& discs,
+                               const std::vector<DiscTest>& tests, const DiscMaterial& start,
+                               int threads) {
   if (discs.empty() || tests.empty()) {
     throw std::invalid_argument("disc calibration: there must be a disc and a test");
   }
   std::vector<DiscTest> used;
   for (const DiscTest& test : tests) {
-    if (test.region != discs[0].region) {
-      throw std::invalid_argument("disc calibration: discs and tests of several regions");
+    if (test.region != tests[0].region) {
+      throw std::invalid_argument("disc calibration: tests of several regions");
     }
     if (test.quantity != Quantity::kLossFactor && test.quantity != Quantity::kPreloadRatio) {
       used.push_back(test);

@@ -33,8 +33,10 @@ struct DiscCalibration {
 // the range, measured from the bound; each fitted constant gives log(constant / typical) / log 4.
 // Deterministic, whatever the number of threads. Loss factors, which do not depend on the fitted
 // constants, and preload ratios, of which there is no publication for human discs alone, are left
-// out. Throws std::invalid_argument if discs or tests are empty or of several regions.
-DiscCalibration calibrateDiscs(const std::vector<Disc>& discs, const std::vector<DiscTest>& tests,
-                               const DiscMaterial& start, int threads = 1);
+// out. Throws std::invalid_argument if discs or tests are empty, or the tests are of several
+// regions.
+DiscCalibration calibrateDiscs(const std::vector<DiscMesh>& discs,
+                               const std::vector<DiscTest>& tests, const DiscMaterial& start,
+                               int threads = 1);
 
 }  // namespace torso

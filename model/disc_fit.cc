@@ -1,6 +1,8 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "model/disc_fit.h"
 
+#include "model/body.h"
+
 #include <algorithm>
 #include <stdexcept>
 #include <vector>
@@ -72,6 +74,14 @@ void fitDiscFaces(const Isometry3d& frame, const MeshTree& lower, const MeshTree
           "disc: its faces cannot follow the bones, an element turns inside out");
     }
   }
+}
+
+DiscMesh fittedDiscMesh(const Anatomy& anatomy, const Skeleton& skeleton, const Disc& disc) {
+  DiscMesh mesh = makeDiscMesh(disc.shape);
+  fitDiscFaces(disc.frame, skeleton.bone(bodyOfLevel(anatomy, disc.lower)),
+               skeleton.bone(bodyOfLevel(anatomy, disc.upper)), kDiscReach * anatomy.length_scale,
+               &mesh);
+  return mesh;
 }
 
 }  // namespace torso

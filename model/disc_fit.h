@@ -3,8 +3,10 @@
 
 #include <Eigen/Geometry>
 
+#include "model/anatomy.h"
 #include "model/disc.h"
 #include "model/mesh_checks.h"
+#include "model/skeleton.h"
 
 namespace torso {
 
@@ -18,5 +20,9 @@ constexpr double kDiscReach = 2.5e-3;  // how far a face may be from the bone, t
 // out.
 void fitDiscFaces(const Eigen::Isometry3d& frame, const MeshTree& lower, const MeshTree& upper,
                   double reach, DiscMesh* mesh);
+
+// Mesh of a disc of the anatomy between these bones, as the models have it. The skeleton has the
+// bones of both levels.
+DiscMesh fittedDiscMesh(const Anatomy& anatomy, const Skeleton& skeleton, const Disc& disc);
 
 }  // namespace torso

@@ -13,7 +13,9 @@
 #include <vector>
 
 #include "model/disc_calibration.h"
+#include "model/disc_fit.h"
 #include "model/parallel.h"
+#include "tools/bone_files.h"
 #include "tools/commands.h"
 #include "tools/disc_report.h"
 #include "tools/error.h"
@@ -58,10 +60,11 @@ DiscMaterial rounded(DiscMaterial material) {
   return material;
 }
 
-std::vector<std::string> outsideOf(const Disc& disc, const std::vector<DiscTest>& tests,
+std::vector<std::string> outsideOf(const Disc& disc, const DiscMesh& mesh,
+                                   const std::vector<DiscTest>& tests,
                                    const DiscMaterial& material) {
   std::vector<std::string> outside;
-  const DiscBench bench(makeDiscMesh(disc.shape), material);
+  const DiscBench bench(mesh, material);
   for (const DiscTest& test : tests) {
     DiscOutcome outcome = {test, std::nullopt};
     try {
@@ -73,7 +76,7 @@ std::vector<std::string> outsideOf(const Disc& disc, const std::vector<DiscTest>
   return outside;
 }
 
-DiscFit fitDisc(const Anatomy& anatomy, const Disc& disc) {
+DiscFit fitDisc(const Anatomy& anatomy, const Skeleton& skeleton, const Disc& disc) {
   std::vector<DiscTest> tests;
   for (const DiscTest& test : anatomy.disc_tests) {
     if (test.region == disc.region && test.fit) tests.push_back(test);
@@ -81,9 +84,10 @@ DiscFit fitDisc(const Anatomy& anatomy, const Disc& disc) {
   // From the published constants, so that the answer does not depend on the table's last one.
   DiscMaterial start = disc.material;
   for (const FittedConstant& c : fittedConstants()) start.*c.member = c.typical;
-  DiscFit result = {disc.name, disc.material, calibrateDiscs({disc}, tests, start), {}};
+  const DiscMesh mesh = fittedDiscMesh(anatomy, skeleton, disc);
+  DiscFit result = {disc.name, disc.material, calibrateDiscs({mesh}, tests, start), {}};
   result.fit.material = rounded(result.fit.material);
-  result.outside = outsideOf(disc, tests, result.fit.material);
+  result.outside = outsideOf(disc, mesh, tests, result.fit.material);
   return result;
 }
 
@@ -162,6 +166,7 @@ void calibrate(const Options& options) {
   const Anatomy anatomy = Anatomy::load(tables);
   const std::string folder = options.folder.empty() ? tables : options.folder;
   makeFolder(folder);
+  const Skeleton skeleton = readSkeleton(anatomy, mjcfFolder() + "/assets", spineBodies(anatomy));
   const int threads = static_cast<int>(std::thread::hardware_concurrency());
   std::vector<Disc> discs;
   for (const std::string& level : options.levels) {
@@ -174,7 +179,7 @@ void calibrate(const Options& options) {
     std::mutex mutex;
     int done = 0;
     forEach(static_cast<int>(fits.size()), threads, [&](int i) {
-      fits[i] = fitDisc(anatomy, discs[i]);
+      fits[i] = fitDisc(anatomy, skeleton, discs[i]);
       const std::lock_guard<std::mutex> lock(mutex);
       bar.show(++done / static_cast<double>(fits.size()));
     });

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "tools/bone_files.h"
 #include "tools/commands.h"
 #include "tools/disc_plots.h"
 #include "tools/disc_report.h"
@@ -191,13 +192,14 @@ void printSummary(const std::vector<DiscReport>& reports, Region region) {
 
 void discs(const Options& options) {
   const Anatomy anatomy = Anatomy::load(anatomyFolder());
+  const Skeleton skeleton = readSkeleton(anatomy, mjcfFolder() + "/assets", spineBodies(anatomy));
   const std::vector<Disc> chosen = chooseDiscs(anatomy, options.level);
   const bool curves = options.json || !options.plot_folder.empty();
   const int threads = static_cast<int>(std::thread::hardware_concurrency());
   std::vector<DiscReport> reports;
   {
     const ProgressBar bar;
-    reports = benchDiscs(anatomy, chosen, options.all, curves, options.preload, threads,
+    reports = benchDiscs(anatomy, skeleton, chosen, options.all, curves, options.preload, threads,
                          [&bar](double share) { bar.show(share); });
   }
   if (options.json) {

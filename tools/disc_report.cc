@@ -8,6 +8,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "model/disc_fit.h"
 #include "model/parallel.h"
 #include "tools/error.h"
 
@@ -50,12 +51,11 @@ DiscLoading loadUp(const DiscBench& bench, const std::vector<DiscTest>& tests,
           loadDisc(bench, discProtocol(fit.region, fit.quantity), top, fit.preload, kCurvePoints)};
 }
 
-DiscReport benchDisc(const Disc& disc, const std::vector<DiscTest>& tests, bool all_tests,
-                     bool curves, double preload) {
+DiscReport benchDisc(const Disc& disc, const DiscMesh& mesh, const std::vector<DiscTest>& tests,
+                     bool all_tests, bool curves, double preload) {
   DiscReport report;
   report.disc = disc;
   report.preload = preload;
-  const DiscMesh mesh = makeDiscMesh(disc.shape);
   report.area = upperEndplateArea(mesh);
   const DiscBench bench(mesh, disc.material);
   for (const DiscTest& test : tests) {
@@ -102,8 +102,9 @@ std::vector<Disc> chooseDiscs(const Anatomy& anatomy, const std::string& level) 
   return chosen;
 }
 
-std::vector<DiscReport> benchDiscs(const Anatomy& anatomy, const std::vector<Disc>& discs,
-                                   bool all_tests, bool curves, double preload, int threads,
+std::vector<DiscReport> benchDiscs(const Anatomy& anatomy, const Skeleton& skeleton,
+                                   const std::vector<Disc>& discs, bool all_tests, bool curves,
+                                   double preload, int threads,
                                    const std::function<void(double)>& progress) {
   double stress = 0;
   for (const Disc& disc : anatomy.discs) {
@@ -114,7 +115,8 @@ std::vector<DiscReport> benchDiscs(const Anatomy& anatomy, const std::vector<Dis
   double done = 0;
   forEach(static_cast<int>(discs.size()), threads, [&](int i) {
     try {
-      reports[i] = benchDisc(discs[i], testsOf(anatomy, discs[i].region), all_tests, curves,
+      reports[i] = benchDisc(discs[i], fittedDiscMesh(anatomy, skeleton, discs[i]),
+                             testsOf(anatomy, discs[i].region), all_tests, curves,
                              stress * areaOf(discs[i]));
     } catch (const DiscGaveWay& e) {
       throw Error(discs[i].name + ": " + e.what());

@@ -10,6 +10,7 @@
 
 #include "model/anatomy.h"
 #include "model/disc_bench.h"
+#include "model/skeleton.h"
 
 namespace torso::tools {
 
@@ -44,13 +45,14 @@ struct DiscUnits {
 };
 DiscUnits discUnits(DiscTest::Quantity quantity);
 
-// Tests of discs alone of the disc's region: the rows to fit, those of quantities that have none,
-// or all of them. Curves are made if
+// Of the discs between the skeleton's bones (spineBodies): tests of discs alone of the disc's
+// region: the rows to fit, those of quantities that have none, or all of them. Curves are made if
 // asked for: of each loading, up to the largest load of the region's tests that is not beyond twice
 // that of the row to fit. The axial preload of the second matrix is `preload` [N] on L4/L5 and the
 // same mean stress elsewhere. progress (share done, 0 to 1) may be empty. Throws Error.
-std::vector<DiscReport> benchDiscs(const Anatomy& anatomy, const std::vector<Disc>& discs,
-                                   bool all_tests, bool curves, double preload, int threads,
+std::vector<DiscReport> benchDiscs(const Anatomy& anatomy, const Skeleton& skeleton,
+                                   const std::vector<Disc>& discs, bool all_tests, bool curves,
+                                   double preload, int threads,
                                    const std::function<void(double)>& progress);
 
 }  // namespace torso::tools

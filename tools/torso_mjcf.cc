@@ -136,11 +136,8 @@ void Writer::write() {
     for (const Disc& disc : a_.discs) {
       if (!has(bodyOfLevel(a_, disc.lower)) || !has(bodyOfLevel(a_, disc.upper))) continue;
       levels_.push_back(disc);
-      discs_.push_back(makeDiscMesh(disc.shape));
-      if (!bones || o_.own) continue;
-      fitDiscFaces(disc.frame, bones->bone(bodyOfLevel(a_, disc.lower)),
-                   bones->bone(bodyOfLevel(a_, disc.upper)), kDiscReach * a_.length_scale,
-                   &discs_.back());
+      const bool fitted = bones && !o_.own;
+      discs_.push_back(fitted ? fittedDiscMesh(a_, *bones, disc) : makeDiscMesh(disc.shape));
     }
   }
   if (o_.scene) Element(root_, "include").set("file", "scene.xml");

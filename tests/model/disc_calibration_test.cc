@@ -62,7 +62,7 @@ TEST(DiscCalibration, RecoversTheMaterialFromEitherSide) {
   const auto tests = testsPassedBy(truth);
   for (const DiscMaterial& start :
        {material(3e6, 8e6, 10, 0.25e6), material(1.2e6, 20e6, 40, 0.7e6)}) {
-    const DiscCalibration fit = calibrateDiscs({lumbarDisc()}, tests, start);
+    const DiscCalibration fit = calibrateDiscs({makeDiscMesh(lumbarDisc().shape)}, tests, start);
     expectSame(fit.material, truth, 0.02);
   }
 }
@@ -72,7 +72,7 @@ TEST(DiscCalibration, ThreadsDoNotChangeTheAnswer) {
   tests.resize(3);
   Disc small = lumbarDisc();
   small.shape.width = 0.04;
-  const std::vector<Disc> discs = {lumbarDisc(), small};
+  const std::vector<DiscMesh> discs = {makeDiscMesh(lumbarDisc().shape), makeDiscMesh(small.shape)};
   const DiscMaterial start = material(2e6, 12e6, 15, 0.3e6);
   const DiscCalibration one = calibrateDiscs(discs, tests, start, 1);
   const DiscCalibration two = calibrateDiscs(discs, tests, start, 2);
@@ -89,7 +89,8 @@ TEST(DiscCalibration, StaysWithinPublishedBounds) {
     test.high *= 100;
   }
   const DiscMaterial m =
-      calibrateDiscs({lumbarDisc()}, tests, material(2.5e6, 10e6, 10, 0.3e6)).material;
+      calibrateDiscs({makeDiscMesh(lumbarDisc().shape)}, tests, material(2.5e6, 10e6, 10, 0.3e6))
+          .material;
   for (const FittedConstant& c : fittedConstants()) {
     EXPECT_GE(m.*c.member, c.low * (1 - 1e-12)) << c.name;
     EXPECT_LE(m.*c.member, c.high * (1 + 1e-12)) << c.name;
@@ -99,8 +100,9 @@ TEST(DiscCalibration, StaysWithinPublishedBounds) {
 TEST(DiscCalibration, MixedRegionsAreRefused) {
   auto tests = testsPassedBy(material(2.5e6, 10e6, 10, 0.3e6));
   tests[0].region = Region::kCervical;
-  EXPECT_THROW(calibrateDiscs({lumbarDisc()}, tests, material(2.5e6, 10e6, 10, 0.3e6)),
-               std::invalid_argument);
+  EXPECT_THROW(
+      calibrateDiscs({makeDiscMesh(lumbarDisc().shape)}, tests, material(2.5e6, 10e6, 10, 0.3e6)),
+      std::invalid_argument);
   EXPECT_THROW(calibrateDiscs({}, tests, material(2.5e6, 10e6, 10, 0.3e6)), std::invalid_argument);
 }
 

@@ -9,7 +9,6 @@ namespace torso {
 namespace {
 
 using ServoTest = PluginTest;
-using Eigen::Map;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -33,7 +32,8 @@ TEST_F(ServoTest, ReadTheSameAnglesInABodyThatIsTurned) {
   for (int j = 0; j < m->njnt; j++) {
     if (m->jnt_type[j] != mjJNT_FREE) continue;
     mjtNum* q = d->qpos + m->jnt_qposadr[j];
-    Map<Vector3d>(q) = Vector3d(turn * Map<Vector3d>(q));
+    const Vector3d position = turn * Vector3d(q[0], q[1], q[2]);
+    mju_copy3(q, position.data());
     const Quaterniond turned = turn * Quaterniond(q[3], q[4], q[5], q[6]);
     q[3] = turned.w(), q[4] = turned.x(), q[5] = turned.y(), q[6] = turned.z();
   }

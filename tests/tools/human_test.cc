@@ -154,12 +154,12 @@ TEST_F(Human, StaticQuantitiesDoNotDependOnTheTimeStep) {
     largest = std::max(largest, 100 * std::abs(values[1] / values[0] - 1));
   }
   EXPECT_NEAR(j["static_difference_percent"][1], largest, 1e-9);
-  // Each motion goes the way it is pushed, by what lumbar spines do under 7.5 Nm in vitro or a bit
-  // more, and L4-L5 does its share of it.
+  // Each motion goes the way it is pushed, by no more than a living person's (51 deg of flexion,
+  // Pearcy 1985), and L4-L5 does its share of it.
   for (const std::string motion : {"flexion", "extension", "lateral bending", "axial rotation"}) {
     const double whole = at1800[motion + " L1-S1"], level = at1800[motion + " L4-L5"];
     EXPECT_GT(whole, 3) << motion;
-    EXPECT_LT(whole, 40) << motion;
+    EXPECT_LT(whole, 52) << motion;
     EXPECT_GT(level, 0.1 * whole) << motion;
     EXPECT_LT(level, 0.4 * whole) << motion;
   }

@@ -9,6 +9,8 @@
 
 #include "model/anatomy.h"
 #include "model/disc_bench.h"
+#include "model/disc_fit.h"
+#include "tools/bone_files.h"
 
 namespace torso {
 namespace {
@@ -24,9 +26,11 @@ TEST(DiscRanges, EveryDiscIsInsideThePublishedRanges) {
       "C4/C5 posterior_shear", "C4/C5 extension",       "C3/C4 posterior_shear",
       "C3/C4 extension",       "C3/C4 lateral_bending", "C4/C5 lateral_bending",
       "C2/C3 posterior_shear", "C2/C3 extension",       "C2/C3 lateral_bending"};
+  const Skeleton skeleton =
+      tools::readSkeleton(anatomy, TORSO_MJCF "/assets", tools::spineBodies(anatomy));
   int tests = 0;
   for (const Disc& disc : anatomy.discs) {
-    const DiscBench bench(makeDiscMesh(disc.shape), disc.material);
+    const DiscBench bench(fittedDiscMesh(anatomy, skeleton, disc), disc.material);
     for (const DiscTest& test : anatomy.disc_tests) {
       // Of preload ratios there is no publication for human discs alone.
       if (test.region != disc.region || !test.fit ||
