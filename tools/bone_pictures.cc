@@ -33,6 +33,7 @@ struct Sheet {
   int width, height;  // of one view [pixels]
   std::vector<Row> rows;
   std::vector<View> columns;
+  bool hip_bones = true;  // they hide the sacrum and L5 from the side
 };
 
 // Vertebrae from above have their front at the top.
@@ -68,7 +69,7 @@ std::vector<Sheet> sheets() {
        330,
        {{{"C5"}, {}}, {{"T7"}, {}}, {{"L3"}, {}}},
        {{0, -90}, kLeft, kBack}},
-      {"lumbar", "torso_held.xml", 430, 900, {lumbar}, {{-40, -10}, kLeft}},
+      {"lumbar", "torso_held.xml", 430, 900, {lumbar}, {{-40, -10}, kLeft}, false},
       {"shoulder", "human.xml", 560, 450, {{girdle, {}}}, {kFront, kBack}},
       {"skull", "human.xml", 400, 480, {{{"head"}, {}}}, {kFront, kLeft, {-135, -5}}},
   };
@@ -84,11 +85,11 @@ void preparePlate(mjModel* m) {
   std::fill_n(m->tex_rgb, m->ntexdata, mjtByte{247});
   std::fill_n(m->light_castshadow, m->nlight, mjtByte{0});
   const auto set = [](auto* rgb, float value) { std::fill_n(rgb, 3, value); };
-  set(m->vis.headlight.ambient, 0.34f);
-  set(m->vis.headlight.diffuse, 0.32f);
+  set(m->vis.headlight.ambient, 0.31f);
+  set(m->vis.headlight.diffuse, 0.26f);
   set(m->vis.headlight.specular, 0.0f);
   for (int i = 0; i < m->nlight; i++) {
-    set(m->light_diffuse + 3 * i, i == 0 ? 0.52f : 0.0f);
+    set(m->light_diffuse + 3 * i, i == 0 ? 0.58f : 0.0f);
     set(m->light_specular + 3 * i, i == 0 ? 0.12f : 0.0f);
     m->light_directional[i] = 1;
   }
@@ -124,8 +125,8 @@ bool ofLevels(const std::string& name, const Names& levels) {
   });
 }
 
-// A bone of several closed surfaces without those that lie on one side of the median plane: the
-// pelvis without its hip bones, which hide the sacrum and L5 from the side.
+// Of a mesh of several closed surfaces leaves those that the median plane cuts: of the pelvis the
+// sacrum and coccyx.
 void dropLateralParts(mjModel* m, const mjData* d, int geom) {
   const int mesh = m->geom_dataid[geom], n = m->mesh_vertnum[mesh];
   float* vertices = m->mesh_vert + 3 * m->mesh_vertadr[mesh];
@@ -163,9 +164,9 @@ class Plate {
     groups_.assign(m_->geom_group, m_->geom_group + m_->ngeom);
     d_ = makeData(m_.get());
     mj_fwdPosition(m_.get(), d_.get());
-    if (sheet.name == "lumbar") {
-      for (int i = 0; i < m_->ngeom; i++) {
-        if (isBone(i) && meshOf(i) == "pelvis") dropLateralParts(m_.get(), d_.get(), i);
+    for (int i = 0; i < m_->ngeom; i++) {
+      if (!sheet.hip_bones && isBone(i) && meshOf(i) == "pelvis") {
+        dropLateralParts(m_.get(), d_.get(), i);
       }
     }
   }
