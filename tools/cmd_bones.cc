@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -14,8 +15,10 @@
 #include "model/bone_fit.h"
 #include "model/bone_measure.h"
 #include "model/skeleton.h"
+#include "tools/bone_pictures.h"
 #include "tools/commands.h"
 #include "tools/error.h"
+#include "tools/files.h"
 #include "tools/paths.h"
 
 namespace torso::tools {
@@ -25,6 +28,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::vector<std::string> only;
+  std::string plot_folder;
   bool json = false;
 };
 
@@ -158,6 +162,13 @@ void print(const std::vector<FitCheck>& checks) {
   }
 }
 
+void drawInto(const std::string& folder) {
+  checkFolder(folder);
+  std::map<std::string, std::string> files;
+  for (const auto& [name, png] : drawBones(mjcfFolder())) files[folder + "/" + name] = png;
+  writeFiles(files);
+}
+
 void bones(const Options& options) {
   const Anatomy anatomy = Anatomy::load(anatomyFolder());
   const std::vector<std::string> all = bodyNames(anatomy);
@@ -167,6 +178,7 @@ void bones(const Options& options) {
                               fmt::join(all, ", ")));
     }
   }
+  if (!options.plot_folder.empty()) drawInto(options.plot_folder);
   const int threads = static_cast<int>(std::thread::hardware_concurrency());
   const Skeleton skeleton(anatomy, options.only.empty() ? all : options.only, threads);
   const std::vector<BoneMeasure> ours = measureBones(anatomy, skeleton);
@@ -202,8 +214,12 @@ void addBones(CLI::App& app) {
       "Examples:\n"
       "  torso bones\n"
       "  torso bones --only L4 L5 pelvis\n"
+      "  torso bones --plot pictures\n"
       "  torso bones --json | jq '.measures[] | select(.inside == false)'");
   command->add_option("--only", options->only, "Only these bodies, e.g. L4 pelvis left_scapula");
+  command->add_option("--plot", options->plot_folder,
+                      "Also draw the bones of the models that come with the project, into PNG "
+                      "files in this folder");
   command->add_flag("--json", options->json, "Print JSON");
   command->callback([options] { bones(*options); });
 }

@@ -134,13 +134,16 @@ std::string Renderer::driver() const {
 }
 
 std::string Renderer::png(mjData* d, const mjvOption& option, mjvCamera camera) {
-  const std::vector<unsigned char> rgb = pixels(d, option, camera);
+  return encodePng(pixels(d, option, camera), width_, height_);
+}
+
+std::string encodePng(const std::vector<unsigned char>& rgb, int width, int height) {
   png_image image = {};
   image.version = PNG_IMAGE_VERSION;
-  image.width = width_;
-  image.height = height_;
+  image.width = width;
+  image.height = height;
   image.format = PNG_FORMAT_RGB;
-  const int stride = -3 * width_;  // OpenGL's rows go up, PNG's go down
+  const int stride = -3 * width;  // OpenGL's rows go up, PNG's go down
   png_alloc_size_t size = 0;
   std::string content;
   if (png_image_write_get_memory_size(image, size, 0, rgb.data(), stride, nullptr)) {

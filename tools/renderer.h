@@ -40,6 +40,9 @@ class Renderer {
   std::unique_ptr<Stage> stage_;
 };
 
+// Content of a PNG file of a picture as Renderer::pixels gives it. Throws Error.
+std::string encodePng(const std::vector<unsigned char>& rgb, int width, int height);
+
 // What can be shown or hidden by name:
 // bones (geom group 1), outline (geom group 2), collision (geom group 3), facets (geom and site
 // group 4), ligaments (tendon group 1), discs (skin group 1)
