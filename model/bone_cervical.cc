@@ -107,8 +107,8 @@ void addUncinateProcesses(Blend& bone, const VertebraPlan& plan) {
     return Section{{x * depth, y + out * 1e-3, z + up * 1e-3}, 1.5_mm, half};
   };
   bone.unitePair(
-      rod({hook(0.20, -2.2, -2.5, 2.0_mm), hook(0.02, -1.7, -1.0, 0.6 * high + 1.2_mm),
-           hook(-0.16, -1.6, -0.6, high + 1.0_mm), hook(-0.34, -1.9, -1.0, high + 0.6_mm)},
+      rod({hook(0.20, -1.9, -2.5, 2.0_mm), hook(0.02, -1.4, -1.0, 0.6 * high + 1.2_mm),
+           hook(-0.16, -1.3, -0.6, high + 1.0_mm), hook(-0.34, -1.6, -1.0, high + 0.6_mm)},
           style),
       1.5_mm);
 }
