@@ -1,6 +1,6 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "model/bone_vertebra.h"
-#include "model/fuse.h"
+#include "model/surface.h"
 
 namespace torso {
 namespace {

@@ -25,45 +25,47 @@ Matrix3d axesAlong(double x, double y) {
 }
 
 // The eight carpal bones, overlapping; keptApart makes their joints.
-std::vector<Shape> carpals() {
+std::vector<Solid> carpals() {
   const Matrix3d straight = Matrix3d::Identity();
-  std::vector<Shape> bones;
+  std::vector<Solid> bones;
   // Scaphoid: its pole reaches under the radius, its tubercle to the palm.
-  bones.push_back(Sculpture()
-                      .add(ellipsoidShape({1.8, 12, -1.5}, {9, 10.5, 8.5}, axesAlong(1, 0.5), 2.3))
-                      .add(ellipsoidShape({9.5, 18.5, 4}, {7.5, 5.5, 6}, axesAlong(1, 0.5)), 5)
-                      .shape());
+  bones.push_back(
+      Blend()
+          .unite(ellipsoidSolid({1.8, 12, -1.5}, {9, 10.5, 8.5}, axesAlong(1, 0.5), 2.3))
+          .unite(ellipsoidSolid({9.5, 18.5, 4}, {7.5, 5.5, 6}, axesAlong(1, 0.5)), 5)
+          .solid());
   // Lunate: a crescent, deeper than broad.
-  bones.push_back(ellipsoidShape({0.2, -1.5, 0}, {7.4, 9.5, 8.6}, straight, 2.5));
+  bones.push_back(ellipsoidSolid({0.2, -1.5, 0}, {7.4, 9.5, 8.6}, straight, 2.5));
   // Triquetrum: a pyramid; pisiform: a pea on its palm.
-  bones.push_back(Sculpture()
-                      .add(ellipsoidShape({4, -15.5, -0.5}, {9, 8.5, 7.5}, axesAlong(1, -0.5), 2.5))
-                      .shape());
-  bones.push_back(ellipsoidShape({4, -18.5, 9.5}, {6.5, 5.5, 5}));
+  bones.push_back(
+      Blend()
+          .unite(ellipsoidSolid({4, -15.5, -0.5}, {9, 8.5, 7.5}, axesAlong(1, -0.5), 2.5))
+          .solid());
+  bones.push_back(ellipsoidSolid({4, -18.5, 9.5}, {6.5, 5.5, 5}));
   // Trapezium, with its ridge; its saddle looks to the thumb.
-  bones.push_back(Sculpture()
-                      .add(ellipsoidShape({16.5, 22, 3.5}, {8.5, 8.5, 7.5}, axesAlong(1, 0.6), 3))
-                      .add(ellipsoidShape({15, 17, 10}, {5.5, 2.8, 3.8}, axesAlong(1, 0.4)), 3)
-                      .shape());
+  bones.push_back(Blend()
+                      .unite(ellipsoidSolid({16.5, 22, 3.5}, {8.5, 8.5, 7.5}, axesAlong(1, 0.6), 3))
+                      .unite(ellipsoidSolid({15, 17, 10}, {5.5, 2.8, 3.8}, axesAlong(1, 0.4)), 3)
+                      .solid());
   // Trapezoid: a wedge, broad at the back of the hand.
-  bones.push_back(Sculpture()
-                      .add(ellipsoidShape({18, 12, -3}, {8, 8, 6.5}, straight, 2.6))
-                      .add(ellipsoidShape({18, 11.5, 2.5}, {6.5, 5.5, 5.5}, straight, 2.4), 4)
-                      .shape());
+  bones.push_back(Blend()
+                      .unite(ellipsoidSolid({18, 12, -3}, {8, 8, 6.5}, straight, 2.6))
+                      .unite(ellipsoidSolid({18, 11.5, 2.5}, {6.5, 5.5, 5.5}, straight, 2.4), 4)
+                      .solid());
   // Capitate: a head between scaphoid and lunate, a waist, a broad body.
-  bones.push_back(Sculpture()
-                      .add(ellipsoidShape({10, 2, -0.5}, {7.5, 7.5, 7.5}))
-                      .add(ellipsoidShape({18.5, 2, -0.5}, {9, 9.5, 9}, straight, 2.8), 4)
-                      .shape());
+  bones.push_back(Blend()
+                      .unite(ellipsoidSolid({10, 2, -0.5}, {7.5, 7.5, 7.5}))
+                      .unite(ellipsoidSolid({18.5, 2, -0.5}, {9, 9.5, 9}, straight, 2.8), 4)
+                      .solid());
   // Hamate: a wedge with its hook to the palm.
-  bones.push_back(Sculpture()
-                      .add(ellipsoidShape({18, -13, -1}, {9, 10, 8}, axesAlong(1, -0.15), 2.6))
-                      .add(ellipsoidShape({11, -7.5, -1}, {8, 6.5, 7.5}), 4)
-                      .add(tubeShape({section(18.5, -12, 5, 5, 3), section(19, -12.5, 11, 4, 2.4),
-                                      section(19, -11, 14, 3.6, 2.2)},
-                                     Vector3d::UnitY()),
-                           3)
-                      .shape());
+  bones.push_back(Blend()
+                      .unite(ellipsoidSolid({18, -13, -1}, {9, 10, 8}, axesAlong(1, -0.15), 2.6))
+                      .unite(ellipsoidSolid({11, -7.5, -1}, {8, 6.5, 7.5}), 4)
+                      .unite(stoutRod({section(18.5, -12, 5, 5, 3), section(19, -12.5, 11, 4, 2.4),
+                                       section(19, -11, 14, 3.6, 2.2)},
+                                      Vector3d::UnitY()),
+                             3)
+                      .solid());
   return bones;
 }
 
@@ -112,7 +114,7 @@ TriMesh handMesh(const Anatomy& anatomy) {
   X.linear() *= scale;
   X.translation() = wrist;
 
-  std::vector<Shape> bones = carpals();
+  std::vector<Solid> bones = carpals();
   std::vector<int> faces(bones.size(), 245);
   for (const Finger& finger : fingers()) {
     const bool is_thumb = &finger == &fingers().front();
@@ -146,13 +148,13 @@ TriMesh handMesh(const Anatomy& anatomy) {
   }
   // Sesamoid bones under the head of the thumb's metacarpal.
   for (double y : {36.0, 44.0}) {
-    bones.push_back(ellipsoidShape({57, y, 21}, {2.6, 2.2, 2}));
+    bones.push_back(ellipsoidSolid({57, y, 21}, {2.6, 2.2, 2}));
     faces.push_back(40);
   }
   bones = keptApart(bones, 1.7);
   TriMesh mesh;
   for (std::size_t i = 0; i < bones.size(); i++) {
-    append(mesh, surface(bones[i], 0.95, faces[i], X));
+    append(mesh, boneSurface(bones[i], 0.95, faces[i], X));
   }
   return mesh;
 }

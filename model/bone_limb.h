@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "model/anatomy.h"
-#include "model/shape.h"
+#include "model/blend.h"
 
 namespace torso {
 
@@ -19,6 +19,9 @@ constexpr double kThighLength = 412, kShankLength = 373, kUpperArmLength = 275,
 // joint to it, x forward, y left) to the standing body [m].
 Eigen::Affine3d limbPlace(const Eigen::Vector3d& proximal, const Eigen::Vector3d& distal,
                           double reference_length);
+
+// Surface of a bone, placed by x -> X x.
+TriMesh boneSurface(const Blend& bone, double voxel, int max_faces, const Eigen::Affine3d& X);
 
 inline const Eigen::Vector3d kForward = Eigen::Vector3d::UnitX(), kLeft = Eigen::Vector3d::UnitY(),
                              kUp = Eigen::Vector3d::UnitZ();
@@ -32,15 +35,15 @@ inline Section section(double x, double y, double z, double side, double up) {
 }
 
 // Left bones that others are fitted to, in the frame of their segment [mm].
-Shape humerusShape();
-Shape femurShape();
+Solid humerusSolid();
+Solid femurSolid();
 
 // Metacarpal or metatarsal bone, phalanx, and phalanx at the end of its ray.
 enum class RayBone { kMetapodial, kPhalanx, kTerminal };
 
 // A bone of a finger or a toe, from the middle of its base to the tip of its head. `dorsal` need
 // not be normal to it. Half widths (across) and half depths (dorsal to palmar) of base and head.
-Shape rayBone(RayBone kind, const Eigen::Vector3d& base, const Eigen::Vector3d& head,
+Solid rayBone(RayBone kind, const Eigen::Vector3d& base, const Eigen::Vector3d& head,
               const Eigen::Vector3d& dorsal, const Eigen::Vector2d& base_half,
               const Eigen::Vector2d& waist_half, const Eigen::Vector2d& head_half);
 

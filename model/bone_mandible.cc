@@ -4,7 +4,7 @@
 
 #include "model/bone_parts.h"
 #include "model/bone_skull.h"
-#include "model/fuse.h"
+#include "model/surface.h"
 #include "model/loft.h"
 #include "model/sheet.h"
 
@@ -159,7 +159,7 @@ TriMesh mandibleMesh() {
   s.unitePair(ellipsoidSolid({83, 11, -92}, {5, 6, 3.5}), 6);
   s.carvePair(ellipsoidSolid({70, 33.5, -76}, {2.2, 4, 1.6}), 1.5);  // mental foramen
   s.carvePair(ellipsoidSolid({30, 40.3, -58}, {9, 3.2, 9}), 4);      // inside of the angle
-  return surface(s, 1.2, 2300, true, true);
+  return surface(s, 1.2, 2300, true, Finish::kEven);
 }
 
 }  // namespace torso

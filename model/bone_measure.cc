@@ -8,7 +8,7 @@
 
 #include "model/body.h"
 #include "model/csv.h"
-#include "model/fuse.h"
+#include "model/tri_mesh.h"
 #include "model/loft.h"
 #include "model/vertebra_measure.h"
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "model/anatomy.h"
+#include "model/blend.h"
 #include "model/bone_mesh.h"
 #include "model/loft.h"
-#include "model/solid.h"
 
 namespace torso {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "model/bone_vertebra.h"
-#include "model/fuse.h"
+#include "model/surface.h"
 
 namespace torso {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "model/bone_parts.h"
-#include "model/fuse.h"
+#include "model/surface.h"
 #include "model/sheet.h"
 
 namespace torso {
@@ -56,7 +56,7 @@ class Scapula {
     addCoracoid(s);
     constexpr double kSocket = 25.5;  // a little wider than the head of the humerus
     s.carve(ellipsoidSolid(joint_, Vector3d::Constant(kSocket)), 2);
-    TriMesh mesh = surface(s, 1, 3000, false, true);
+    TriMesh mesh = surface(s, 1, 3000, false, Finish::kEven);
     for (Vector3d& v : mesh.vertices) v = frame_ * Vector3d(scale_ * v);
     return mesh;
   }

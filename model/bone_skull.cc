@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "model/bone_parts.h"
-#include "model/fuse.h"
+#include "model/surface.h"
 
 // Sizes after the means that craniometry gives for European men (Howells 1973, Cranial Variation in
 // Man: lengths, breadths, and radii from the ear holes); the course in between after general
@@ -182,7 +182,7 @@ TriMesh skullMesh(const Vector3d& condyle) {
   addBase(s, condyle);
   addFace(s);
   cutFace(s);
-  return surface(s, 1.4, 7000, true, true);
+  return surface(s, 1.4, 7000, true, Finish::kEven);
 }
 
 }  // namespace torso

@@ -4,8 +4,8 @@
 
 #include "model/bone_parts.h"
 #include "model/bone_rib.h"
-#include "model/fuse.h"
 #include "model/sheet.h"
+#include "model/surface.h"
 
 namespace torso {
 namespace {
@@ -91,7 +91,7 @@ class RibCage {
     s.unite(sheetSolid(sheet), 0);
     // Faces for the clavicles.
     s.carvePair(ellipsoidSolid({-5, 33.5, 164}, {14, 12, 13}), 2);
-    TriMesh mesh = surface(s, 1.3, 1700, true, true);
+    TriMesh mesh = surface(s, 1.3, 1700, true, Finish::kEven);
     for (Vector3d& v : mesh.vertices) v = sternum_ * Vector3d(scale_ * v);
     return mesh;
   }
@@ -146,9 +146,9 @@ class RibCage {
       }
       Blend alone;
       alone.unite(costalCartilage(i), 0);
-      appendPair(mesh, surface(alone, kVoxel, i < kFirstJoined ? 170 : 60, false, true));
+      appendPair(mesh, surface(alone, kVoxel, i < kFirstJoined ? 170 : 60, false, Finish::kEven));
     }
-    appendPair(mesh, surface(joined, kVoxel, 1000, false, true));
+    appendPair(mesh, surface(joined, kVoxel, 1000, false, Finish::kEven));
     return mesh;
   }
 

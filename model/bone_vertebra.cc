@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "model/fuse.h"
+#include "model/surface.h"
 
 namespace torso {
 namespace {

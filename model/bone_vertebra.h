@@ -4,7 +4,7 @@
 // A vertebra's parts, for bone_vertebra.cc; in the vertebra frame, of a pair the left one [m].
 
 #include "model/bone_parts.h"
-#include "model/solid.h"
+#include "model/blend.h"
 
 namespace torso {
 

@@ -1,11 +1,10 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Closed shells from which the bones are put together: tubes along curves, ellipsoids, bent plates
-// and lofts. All lengths in metres; faces look outwards; no shell has an open edge.
+// Closed shells from rings of points: tubes along curves and lofts. All lengths in metres; faces
+// look outwards; no shell has an open edge.
 
 #include <Eigen/Core>
-#include <functional>
 #include <vector>
 
 #include "model/tri_mesh.h"
@@ -37,28 +36,6 @@ TriMesh tube(const std::vector<Section>& sections, const TubeStyle& style = {});
 // The same rings closed by a fan at both ends. Rings of equal size, counter-clockwise seen from the
 // last.
 TriMesh loft(const std::vector<Ring>& rings);
-
-// Half axes along the columns of `axes`; exponent 2 an ellipsoid, more is boxier.
-TriMesh ellipsoid(const Eigen::Vector3d& centre, const Eigen::Vector3d& half_axes,
-                  const Eigen::Matrix3d& axes = Eigen::Matrix3d::Identity(), int sides = 12,
-                  double squareness = 2);
-
-// Star-shaped surface about `centre`: radius(direction) > 0 [m]. Vertices at the given longitudes
-// (in [0, 2 pi), from x to y) and latitudes (in (-pi/2, pi/2)), both ascending [rad], and at the
-// poles.
-TriMesh star(const Eigen::Vector3d& centre,
-             const std::function<double(const Eigen::Vector3d& direction)>& radius,
-             const std::vector<double>& longitudes, const std::vector<double>& latitudes);
-
-// Plate about the surface grid[i][j] (at least 2 x 2, all rows of equal length) with the thickness
-// of the same place [m] and a rounded edge.
-TriMesh plate(const std::vector<std::vector<Eigen::Vector3d>>& grid,
-              const std::vector<std::vector<double>>& thickness);
-
-// Turns a closed profile (x distance from the axis > 0, y along it; counter-clockwise) about an
-// axis: a ring, or a bowl.
-TriMesh revolve(const std::vector<Eigen::Vector2d>& profile, const Eigen::Vector3d& origin,
-                const Eigen::Vector3d& axis, int sides);
 
 // Outline of an endplate of a vertebra, and of a disc: `points` points about the origin at equal
 // distances, counter-clockwise from the foremost (x forward, y left) [m]. Convex in front,

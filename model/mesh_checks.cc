@@ -15,20 +15,24 @@ using Eigen::Vector3d;
 
 constexpr int kLeafFaces = 4;
 
-// Nearest point of a triangle: Ericson, Real-Time Collision Detection, section 5.1.5.
-Vector3d nearestOnTriangle(const Vector3d& p, const Vector3d& a, const Vector3d& b,
-                           const Vector3d& c) {
+// Weights of the corners at the nearest point of a triangle: Ericson, Real-Time Collision
+// Detection, section 5.1.5.
+Vector3d nearestWeights(const Vector3d& p, const Vector3d& a, const Vector3d& b,
+                        const Vector3d& c) {
   const Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp);
   const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d1 <= 0 && d2 <= 0) return a;
-  if (d3 >= 0 && d4 <= d3) return b;
-  if (d6 >= 0 && d5 <= d6) return c;
+  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
   const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
-  if (va <= 0 && d4 >= d3 && d5 >= d6) return b + (d4 - d3) / (d4 - d3 + d5 - d6) * (c - b);
-  return a + (vb * ab + vc * ac) / (va + vb + vc);
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
+  if (va <= 0 && d4 >= d3 && d5 >= d6) {
+    const double w = (d4 - d3) / (d4 - d3 + d5 - d6);
+    return {0, 1 - w, w};
+  }
+  return Vector3d(va, vb, vc) / (va + vb + vc);
 }
 
 // Does the segment p q pass through the triangle? Touching ends and edges do not count.
@@ -217,7 +221,7 @@ int MeshTree::windingNumber(const Vector3d& point) const {
 }
 
 MeshTree::Nearest MeshTree::nearest(const Vector3d& point) const {
-  Nearest best{point, std::numeric_limits<double>::infinity(), -1};
+  Nearest best{point, std::numeric_limits<double>::infinity(), -1, Vector3d::Zero()};
   std::vector<int> stack = {0};
   while (!stack.empty()) {
     const Node& node = nodes_[stack.back()];
@@ -232,9 +236,10 @@ MeshTree::Nearest MeshTree::nearest(const Vector3d& point) const {
     for (int i = 0; i < node.count; i++) {
       const int face = order_[node.first + i];
       const Triangle t = corners(mesh_, face);
-      const Vector3d q = nearestOnTriangle(point, t[0], t[1], t[2]);
+      const Vector3d w = nearestWeights(point, t[0], t[1], t[2]);
+      const Vector3d q = w[0] * t[0] + w[1] * t[1] + w[2] * t[2];
       const double distance = (q - point).norm();
-      if (distance < best.distance) best = {q, distance, face};
+      if (distance < best.distance) best = {q, distance, face, w};
     }
   }
   return best;

@@ -45,6 +45,7 @@ class MeshTree {
     Eigen::Vector3d point;
     double distance;
     int face;
+    Eigen::Vector3d weights;  // of the face's vertices, whose weighted mean the point is
   };
 
   const TriMesh& mesh() const { return mesh_; }

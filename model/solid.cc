@@ -4,22 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+
+#include "model/blend.h"
+#include "model/mesh_checks.h"
 
 namespace torso {
 namespace {
 
+using Eigen::Affine3d;
 using Eigen::AlignedBox3d;
 using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-// Union with a fillet of size k (a polynomial smooth minimum).
-double smoothMin(double a, double b, double k) {
-  const double h = k > 0 ? std::max(k - std::abs(a - b), 0.0) / k : 0;
-  return std::min(a, b) - h * h * k / 4;
-}
-double smoothMax(double a, double b, double k) { return -smoothMin(-a, -b, k); }
 
 // Distance to the superellipsoid of half axes r, to first order at its surface.
 double superellipsoidDistance(const Vector3d& p, const Vector3d& r, double exponent) {
@@ -30,12 +28,16 @@ double superellipsoidDistance(const Vector3d& p, const Vector3d& r, double expon
     level = q.norm();
     slope = q.cwiseQuotient(r) / std::max(level, 1e-9);
   } else {
-    // Scaled by the largest, which the powers of the others are small against.
-    const double most = std::max(q.maxCoeff(), 1e-9);
-    const Vector3d s = (q / most).array().pow(exponent - 1);
-    const double sum = s.dot(q) / most;
-    level = most * std::pow(sum, 1 / exponent);
-    slope = std::pow(sum, 1 / exponent - 1) * s.cwiseQuotient(r);
+    // Scaled by the largest, which the powers of the others are small against. In single precision,
+    // as most of the time is spent here.
+    const auto power = [](double x, double e) {
+      return std::pow(static_cast<float>(x), static_cast<float>(e));
+    };
+    const double most = std::max(q.maxCoeff(), 1e-9), e = exponent - 1;
+    const Vector3d s(power(q.x() / most, e), power(q.y() / most, e), power(q.z() / most, e));
+    const double sum = s.dot(q) / most, root = power(sum, 1 / exponent);
+    level = most * root;
+    slope = root / sum * s.cwiseQuotient(r);
   }
   if (level < 1e-6) return -r.minCoeff();
   return std::max((level - 1) / slope.norm(), -r.minCoeff());
@@ -53,10 +55,46 @@ T smooth(const std::vector<T>& p, double t) {
                 (3 * p[i] - 3 * p[i + 1] + p3 - p0) * (s * s * s));
 }
 
-struct RodPoint {
+AlignedBox3d boxAround(const Vector3d& centre, double radius) {
+  return {Vector3d(centre - Vector3d::Constant(radius)),
+          Vector3d(centre + Vector3d::Constant(radius))};
+}
+
+// Points along a bar of elliptic sections, `steps` of them from one section to the next.
+struct BarPoint {
   Vector3d centre, up;
   double side, half_up;
 };
+std::vector<BarPoint> barPoints(const std::vector<Section>& sections, const Vector3d& up, int steps,
+                                bool smooth_girths) {
+  std::vector<Vector3d> centres, ups;
+  std::vector<double> sides, half_ups;
+  for (const Section& s : sections) {
+    centres.push_back(s.centre);
+    ups.push_back(s.up_direction.isZero() ? up : s.up_direction);
+    sides.push_back(s.side);
+    half_ups.push_back(s.up);
+  }
+  const int spans = static_cast<int>(sections.size()) - 1;
+  std::vector<BarPoint> points;
+  for (int k = 0; k <= spans * steps; k++) {
+    const double t = static_cast<double>(k) / steps;
+    const auto girth = [&](const std::vector<double>& g) {
+      if (smooth_girths) return smooth(g, t);
+      const int i = std::min(static_cast<int>(t), spans - 1);
+      const double s = t - i, w = s * s * (3 - 2 * s);  // never overshoots
+      return (1 - w) * g[i] + w * g[i + 1];
+    };
+    points.push_back({smooth(centres, t), smooth(ups, t), girth(sides), girth(half_ups)});
+  }
+  return points;
+}
+
+AlignedBox3d boxAround(const std::vector<BarPoint>& bar) {
+  AlignedBox3d box;
+  for (const BarPoint& p : bar) box.extend(boxAround(p.centre, std::hypot(p.side, p.half_up)));
+  return box;
+}
 
 // Signed distance to a closed polygon.
 double polygonDistance(const Vector2d& p, const std::vector<Vector2d>& v) {
@@ -74,9 +112,9 @@ double polygonDistance(const Vector2d& p, const std::vector<Vector2d>& v) {
   return (inside ? -1 : 1) * std::sqrt(nearest);
 }
 
-AlignedBox3d boxAround(const Vector3d& centre, double radius) {
-  return {Vector3d(centre - Vector3d::Constant(radius)),
-          Vector3d(centre + Vector3d::Constant(radius))};
+AlignedBox3d widened(const AlignedBox3d& box, double by) {
+  return {Vector3d(box.min() - Vector3d::Constant(by)),
+          Vector3d(box.max() + Vector3d::Constant(by))};
 }
 
 }  // namespace
@@ -89,6 +127,40 @@ Solid mirrored(const Solid& solid) {
           [f = solid.distance](const Vector3d& p) { return f(Vector3d(p.x(), -p.y(), p.z())); }};
 }
 
+Solid moved(const Solid& solid, const Affine3d& X) {
+  const double scale = X.linear().col(0).norm();
+  return {solid.box.transformed(X), [f = solid.distance, back = X.inverse(),
+                                     scale](const Vector3d& p) { return scale * f(back * p); }};
+}
+
+Solid grown(const Solid& solid, double by) {
+  return {widened(solid.box, by),
+          [f = solid.distance, by](const Vector3d& p) { return f(p) - by; }};
+}
+
+std::vector<Solid> keptApart(const std::vector<Solid>& solids, double gap) {
+  std::vector<Solid> out;
+  for (std::size_t i = 0; i < solids.size(); i++) {
+    std::vector<Solid> others;
+    for (std::size_t j = 0; j < solids.size(); j++) {
+      if (j != i && widened(solids[i].box, gap).intersects(solids[j].box)) {
+        others.push_back(solids[j]);
+      }
+    }
+    const auto distance = [own = solids[i].distance, others, gap](const Vector3d& p) {
+      const double mine = own(p);
+      double d = mine;
+      for (const Solid& other : others) {
+        if (mine + gap - other.box.exteriorDistance(p) < 2 * d) continue;  // too far away to matter
+        d = std::max(d, (mine + gap - other.distance(p)) / 2);
+      }
+      return d;
+    };
+    out.push_back({solids[i].box, distance});
+  }
+  return out;
+}
+
 Solid ellipsoidSolid(const Vector3d& centre, const Vector3d& half_axes, const Matrix3d& axes,
                      double squareness) {
   const double reach = squareness > 2 ? half_axes.norm() : half_axes.maxCoeff();
@@ -97,29 +169,38 @@ Solid ellipsoidSolid(const Vector3d& centre, const Vector3d& half_axes, const Ma
           }};
 }
 
+Solid ballSolid(const Vector3d& centre, double radius) {
+  return {boxAround(centre, radius),
+          [=](const Vector3d& p) { return (p - centre).norm() - radius; }};
+}
+
+Solid torus(const Vector3d& centre, const Vector3d& axis, double radius, double thickness) {
+  return {boxAround(centre, radius + thickness), [=](const Vector3d& p) {
+            const double w = (p - centre).dot(axis), r = (p - centre - w * axis).norm();
+            return std::hypot(r - radius, w) - thickness;
+          }};
+}
+
+Solid cylinder(const Vector3d& centre, const Vector3d& axis, double radius, double half_length,
+               double edge) {
+  return {boxAround(centre, std::hypot(radius, half_length)), [=](const Vector3d& p) {
+            const double w = (p - centre).dot(axis), r = (p - centre - w * axis).norm();
+            const double dr = r - (radius - edge), dw = std::abs(w) - (half_length - edge);
+            return std::hypot(std::max(dr, 0.0), std::max(dw, 0.0)) +
+                   std::min(std::max(dr, dw), 0.0) - edge;
+          }};
+}
+
+Solid halfSpace(const Vector3d& point, const Vector3d& normal) {
+  constexpr double kAll = 1e9;
+  return {boxAround(Vector3d::Zero(), kAll),
+          [=](const Vector3d& p) { return (p - point).dot(normal); }};
+}
+
 Solid rod(const std::vector<Section>& sections, const TubeStyle& style) {
-  constexpr int kSteps = 6;
-  std::vector<Vector3d> centres, ups;
-  for (const Section& s : sections) {
-    centres.push_back(s.centre);
-    ups.push_back(s.up_direction.isZero() ? style.up : s.up_direction);
-  }
-  const int spans = static_cast<int>(sections.size()) - 1;
-  std::vector<RodPoint> points;
-  AlignedBox3d box;
-  for (int k = 0; k <= spans * kSteps; k++) {
-    const double t = static_cast<double>(k) / kSteps;
-    const int i = std::min(static_cast<int>(t), spans - 1);
-    // Girths change smoothly without overshooting.
-    const double s = t - i, w = s * s * (3 - 2 * s);
-    points.push_back({smooth(centres, t), smooth(ups, t),
-                      (1 - w) * sections[i].side + w * sections[i + 1].side,
-                      (1 - w) * sections[i].up + w * sections[i + 1].up});
-    const double girth = std::hypot(points.back().side, points.back().half_up);
-    box.extend(boxAround(points.back().centre, girth));
-  }
-  const double cap = style.cap, squareness = style.squareness;
-  return {box, [=](const Vector3d& p) {
+  const std::vector<BarPoint> points = barPoints(sections, style.up, 6, false);
+  return {boxAround(points),
+          [=, cap = style.cap, squareness = style.squareness](const Vector3d& p) {
             // Nearest place of the centre line.
             double least = std::numeric_limits<double>::infinity(), t = 0;
             std::size_t at = 0;
@@ -133,7 +214,7 @@ Solid rod(const std::vector<Section>& sections, const TubeStyle& style) {
                 t = s;
               }
             }
-            const RodPoint &a = points[at], &b = points[at + 1];
+            const BarPoint &a = points[at], &b = points[at + 1];
             const Vector3d along = (b.centre - a.centre).normalized();
             const Vector3d across = ((1 - t) * a.up + t * b.up).cross(along).normalized();
             const Vector3d up = along.cross(across);
@@ -143,6 +224,45 @@ Solid rod(const std::vector<Section>& sections, const TubeStyle& style) {
             const double end = cap * std::min(side, half_up);
             return superellipsoidDistance({off.dot(across), off.dot(up), off.dot(along)},
                                           {side, half_up, end}, squareness);
+          }};
+}
+
+Solid stoutRod(const std::vector<Section>& sections, const Vector3d& up, double squareness,
+               double cap) {
+  const std::vector<BarPoint> points = barPoints(sections, up, 4, true);
+  struct Piece {
+    Vector3d start, along;
+    Matrix3d into;  // rows: across, up, along
+    double length2, side, more_side, half_up, more_up;
+  };
+  std::vector<Piece> pieces;
+  for (std::size_t k = 0; k + 1 < points.size(); k++) {
+    const BarPoint &a = points[k], &b = points[k + 1];
+    Piece s;
+    s.start = a.centre;
+    s.along = b.centre - a.centre;
+    s.length2 = s.along.squaredNorm();
+    const Vector3d z = s.along.normalized(), x = (a.up + b.up).cross(z).normalized();
+    s.into << x.transpose(), z.cross(x).transpose(), z.transpose();
+    s.side = a.side, s.more_side = b.side - a.side;
+    s.half_up = a.half_up, s.more_up = b.half_up - a.half_up;
+    pieces.push_back(s);
+  }
+  return {boxAround(points), [=](const Vector3d& p) {
+            double nearest = std::numeric_limits<double>::infinity();
+            for (const Piece& s : pieces) {
+              const double place = (p - s.start).dot(s.along) / s.length2;
+              const double t = std::clamp(place, 0.0, 1.0);
+              const Vector3d off = p - s.start - t * s.along;
+              const double side = s.side + t * s.more_side, half_up = s.half_up + t * s.more_up;
+              if (off.norm() - std::max(side, half_up) > nearest) continue;
+              const bool at_end =
+                  (&s == &pieces.front() && place < 0) || (&s == &pieces.back() && place > 1);
+              const double end = (at_end ? cap : 1) * std::min(side, half_up);
+              nearest = std::min(
+                  nearest, superellipsoidDistance(s.into * off, {side, half_up, end}, squareness));
+            }
+            return nearest;
           }};
 }
 
@@ -183,43 +303,51 @@ Solid outlinePlate(const Isometry3d& frame, const std::vector<Vector2d>& outline
           }};
 }
 
-void Blend::unite(const Solid& solid, double fillet) {
-  steps_.push_back({solid, fillet, false});
-  largest_fillet_ = std::max(largest_fillet_, fillet);
-  box_.extend(solid.box);
-}
-
-void Blend::carve(const Solid& solid, double fillet) {
-  steps_.push_back({solid, fillet, true});
-  largest_fillet_ = std::max(largest_fillet_, fillet);
-}
-
-void Blend::unitePair(const Solid& left, double fillet) {
-  unite(left, fillet);
-  unite(mirrored(left), fillet);
-}
-
-void Blend::carvePair(const Solid& left, double fillet) {
-  carve(left, fillet);
-  carve(mirrored(left), fillet);
-}
-
-double Blend::distance(const Vector3d& p, double far) const {
-  double d = std::numeric_limits<double>::infinity();
-  for (const Step& s : steps_) {
-    // Half the fillet's size is the most that a shape at that distance can do. Away from their
-    // surface shapes' distances may be too small, by this factor.
-    constexpr double kShort = 0.6;
-    const double off = kShort * s.solid.box.exteriorDistance(p);
-    if (s.carve) {
-      if (off < s.fillet - d) d = smoothMax(d, -s.solid.distance(p), s.fillet);
-    } else if (off > far + largest_fillet_) {
-      d = std::min(d, off);
-    } else if (off < d + s.fillet) {
-      d = smoothMin(d, s.solid.distance(p), s.fillet);
+Solid bentPlate(const std::vector<std::vector<Vector3d>>& grid,
+                const std::vector<std::vector<double>>& thickness) {
+  constexpr int kSteps = 5;
+  const int spans = static_cast<int>(grid.size()) - 1;
+  const int rows = spans * kSteps + 1;
+  const int columns = (static_cast<int>(grid[0].size()) - 1) * kSteps + 1;
+  // A row of the grid and the thicknesses at t along its first direction.
+  const auto rowAt = [](const auto& table, double t, auto* row) {
+    for (std::size_t j = 0; j < table[0].size(); j++) {
+      std::decay_t<decltype(*row)> column;
+      for (const auto& r : table) column.push_back(r[j]);
+      row->push_back(smooth(column, t));
+    }
+  };
+  TriMesh middle;
+  const auto half = std::make_shared<std::vector<double>>();  // thickness, of its vertices
+  for (int i = 0; i < rows; i++) {
+    std::vector<Vector3d> line;
+    std::vector<double> thick;
+    rowAt(grid, static_cast<double>(i) / kSteps, &line);
+    rowAt(thickness, static_cast<double>(i) / kSteps, &thick);
+    for (int j = 0; j < columns; j++) {
+      const double t = static_cast<double>(j) / kSteps;
+      middle.vertices.push_back(smooth(line, t));
+      half->push_back(smooth(thick, t) / 2);
+      if (i == 0 || j == 0) continue;
+      const int d = i * columns + j, c = d - 1, b = d - columns, a = b - 1;
+      middle.faces.push_back({a, b, d});
+      middle.faces.push_back({a, d, c});
     }
   }
-  return d;
+  const auto tree = std::make_shared<MeshTree>(middle);
+  return {widened(tree->box(), *std::max_element(half->begin(), half->end())),
+          [=](const Vector3d& p) {
+            const MeshTree::Nearest nearest = tree->nearest(p);
+            const auto& f = tree->mesh().faces[nearest.face];
+            double thick = 0;
+            for (int k = 0; k < 3; k++) thick += nearest.weights[k] * (*half)[f[k]];
+            return nearest.distance - thick;
+          }};
+}
+
+Solid meshSolid(const TriMesh& mesh) {
+  const auto tree = std::make_shared<MeshTree>(mesh);
+  return {tree->box(), [tree](const Vector3d& p) { return tree->signedDistance(p); }};
 }
 
 }  // namespace torso

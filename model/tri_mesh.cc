@@ -23,9 +23,35 @@ TriMesh mirrored(const TriMesh& mesh) {
   return out;
 }
 
-TriMesh transformed(const TriMesh& mesh, const Eigen::Isometry3d& X) {
+TriMesh transformed(const TriMesh& mesh, const Eigen::Affine3d& X) {
   TriMesh out = mesh;
   for (auto& v : out.vertices) v = X * v;
+  return out;
+}
+
+std::vector<TriMesh> connectedParts(const TriMesh& mesh) {
+  std::vector<int> root(mesh.vertices.size());
+  for (std::size_t i = 0; i < root.size(); i++) root[i] = static_cast<int>(i);
+  const auto find = [&](int i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  for (const auto& f : mesh.faces) {
+    root[find(f[0])] = find(f[1]);
+    root[find(f[1])] = find(f[2]);
+  }
+  std::map<int, TriMesh> parts;
+  std::vector<int> renamed(mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.vertices.size(); i++) {
+    TriMesh& part = parts[find(static_cast<int>(i))];
+    renamed[i] = static_cast<int>(part.vertices.size());
+    part.vertices.push_back(mesh.vertices[i]);
+  }
+  for (const auto& f : mesh.faces) {
+    parts[find(f[0])].faces.push_back({renamed[f[0]], renamed[f[1]], renamed[f[2]]});
+  }
+  std::vector<TriMesh> out;
+  for (auto& [r, part] : parts) out.push_back(std::move(part));
   return out;
 }
 

@@ -16,8 +16,9 @@ struct TriMesh {
 };
 
 void append(TriMesh& mesh, const TriMesh& part);
-TriMesh mirrored(const TriMesh& mesh);                                 // y -> -y
-TriMesh transformed(const TriMesh& mesh, const Eigen::Isometry3d& X);  // x -> X x
+TriMesh mirrored(const TriMesh& mesh);                               // y -> -y
+TriMesh transformed(const TriMesh& mesh, const Eigen::Affine3d& X);  // x -> X x
+std::vector<TriMesh> connectedParts(const TriMesh& mesh);
 // The bytes of a binary STL file.
 std::string toStl(const TriMesh& mesh);
 // The mesh of such a file, identical vertices joined. Throws std::invalid_argument if the bytes are

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "model/fuse.h"
+#include "model/tri_mesh.h"
 #include "model/mesh_repair.h"
 #include "model/vertebra_frame.h"
 #include "tools/bone_names.h"

@@ -10,7 +10,7 @@
 #include "model/body.h"
 #include "model/bone_mesh.h"
 #include "model/bone_registration.h"
-#include "model/fuse.h"
+#include "model/tri_mesh.h"
 #include "model/mesh_repair.h"
 #include "model/mesh_section.h"
 #include "tools/error.h"

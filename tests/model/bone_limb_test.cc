@@ -7,8 +7,8 @@
 
 #include "model/anatomy.h"
 #include "model/bone_mesh.h"
-#include "model/fuse.h"
-#include "model/triangle_tree.h"
+#include "model/mesh_checks.h"
+#include "model/tri_mesh.h"
 
 namespace torso {
 namespace {
@@ -58,7 +58,7 @@ double maximumLength(const TriMesh& mesh) {
 
 // Least signed distance of a's vertices to b [m], negative if one lies inside.
 double clearance(const TriMesh& a, const TriMesh& b) {
-  const TriangleTree tree(b);
+  const MeshTree tree(b);
   double least = 1;
   for (const Vector3d& v : a.vertices) least = std::min(least, tree.signedDistance(v));
   return least;
@@ -161,7 +161,7 @@ TEST(HipBones, MeetTheSacrumAlongTheAuricularFace) {
   double area = 0;
   for (const TriMesh& other : bones("pelvis")) {
     if (&other == &hipBone()) continue;
-    const TriangleTree sacrum(other);
+    const MeshTree sacrum(other);
     const auto& v = hipBone().vertices;
     for (const auto& f : hipBone().faces) {
       const Vector3d middle = (v[f[0]] + v[f[1]] + v[f[2]]) / 3;
@@ -183,7 +183,7 @@ TEST(HipBones, HaveABreadthOfTheIliaAsPublished) {
 TEST(HipBones, ObturatorForamenIsOpen) {
   const Vector3d centre = anatomy().landmark("hip_joint_centre") + Vector3d(8, -44, -36) * kMm;
   const Vector3d through = Vector3d(0.5, 0.6, -0.2).normalized();
-  const TriangleTree hip(hipBone());
+  const MeshTree hip(hipBone());
   for (double t = -30; t <= 30; t += 1) {
     EXPECT_GT(hip.signedDistance(centre + t * kMm * through), 7 * kMm) << t;
   }
@@ -191,7 +191,7 @@ TEST(HipBones, ObturatorForamenIsOpen) {
 
 TEST(HipBones, AcetabulumIsACrescent) {
   const Vector3d centre = anatomy().landmark("hip_joint_centre");
-  const TriangleTree hip(hipBone());
+  const MeshTree hip(hipBone());
   // Around the head of the femur: bone above, in front and behind, none at the notch below.
   EXPECT_NEAR(hip.signedDistance(centre + Vector3d(0, -8, 24).normalized() * 23 * kMm), 2.5 * kMm,
               1 * kMm);

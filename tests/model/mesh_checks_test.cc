@@ -7,7 +7,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "model/loft.h"
+#include "tests/model/ball_mesh.h"
 
 namespace torso {
 namespace {
@@ -24,9 +24,7 @@ TriMesh cube(const Vector3d& low, double side) {
   return mesh;
 }
 
-TriMesh ball(const Vector3d& centre, double radius) {
-  return ellipsoid(centre, Vector3d::Constant(radius), Eigen::Matrix3d::Identity(), 24);
-}
+TriMesh ball(const Vector3d& centre, double radius) { return ballMesh(centre, radius, 24); }
 
 TEST(FindFaults, NoneInACube) { EXPECT_FALSE(findFaults(cube(Vector3d::Zero(), 0.1)).any()); }
 
@@ -87,6 +85,13 @@ TEST(MeshTree, DistanceToABall) {
     EXPECT_NEAR(tree.signedDistance(p), (p - centre).norm() - 0.05, 1.2e-3);
     const MeshTree::Nearest nearest = tree.nearest(p);
     EXPECT_NEAR((nearest.point - p).norm(), nearest.distance, 1e-12);
+    Vector3d mean = Vector3d::Zero();
+    for (int k = 0; k < 3; k++) {
+      mean += nearest.weights[k] * tree.mesh().vertices[tree.mesh().faces[nearest.face][k]];
+    }
+    EXPECT_NEAR((nearest.point - mean).norm(), 0, 1e-12);
+    EXPECT_NEAR(nearest.weights.sum(), 1, 1e-12);
+    EXPECT_GE(nearest.weights.minCoeff(), 0);
   }
 }
 

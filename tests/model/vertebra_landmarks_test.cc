@@ -11,7 +11,7 @@
 #include <random>
 
 #include "model/bone_mesh.h"
-#include "model/fuse.h"
+#include "model/tri_mesh.h"
 #include "model/simplify.h"
 
 namespace torso {

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "model/bone_mesh.h"
-#include "model/fuse.h"
+#include "model/tri_mesh.h"
 #include "tests/tools/command_fixture.h"
 #include "tools/bone_import.h"
 #include "tools/bone_names.h"

@@ -1,11 +1,10 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
-#include "model/fuse.h"
+#include "model/surface.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <unordered_map>
 
 #include "model/simplify.h"
@@ -17,46 +16,15 @@ using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-Vector3d nearestOnTriangle(const Vector3d& p, const Vector3d& a, const Vector3d& b,
-                           const Vector3d& c) {
-  const Vector3d ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return a;
-  const Vector3d bp = p - b;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0 && d4 <= d3) return b;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
-  const Vector3d cp = p - c;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  }
-  const double sum = va + vb + vc;
-  return a + vb / sum * ab + vc / sum * ac;
-}
-
-// Union with a fillet of size k.
-double blend(double a, double b, double k) {
-  const double h = k > 0 ? std::max(k - std::abs(a - b), 0.0) / k : 0;
-  return std::min(a, b) - h * h * k / 4;
-}
-
-// Signed distance, exact within `band` of the surface, negative inside.
+// Signed distance on a grid, negative inside; of a symmetric solid the left half.
 class Field {
  public:
-  Field(const AlignedBox3d& box, const FuseOptions& options)
-      : h_(options.voxel), fillet_(options.fillet), band_(fillet_ + 2 * h_) {
+  Field(const AlignedBox3d& box, double voxel, bool symmetric) : h_(voxel), symmetric_(symmetric) {
     origin_ = box.min() - Vector3d::Constant(3 * h_);
-    if (options.symmetric) origin_.y() = 0;
+    if (symmetric_) origin_.y() = 0;
     const Vector3d extent = box.max() + Vector3d::Constant(3 * h_) - origin_;
     for (int k = 0; k < 3; k++) size_[k] = static_cast<int>(std::ceil(extent[k] / h_)) + 1;
-    value_.assign(std::size_t(size_[0]) * size_[1] * size_[2], band_);
+    value_.resize(std::size_t(size_[0]) * size_[1] * size_[2]);
   }
 
   // The solid's distance near its surface; further off only its sign is right.
@@ -81,111 +49,15 @@ class Field {
     }
   }
 
-  // Unites the field with a shell, or takes the shell's inside away.
-  void add(const TriMesh& shell, bool cut = false) {
-    AlignedBox3d box;
-    for (const Vector3d& v : shell.vertices) box.extend(v);
-    const Vector3i low = nodeBelow(box.min() - Vector3d::Constant(band_));
-    const Vector3i high = nodeBelow(box.max() + Vector3d::Constant(band_)) + Vector3i::Ones();
-    const Vector3i first = low.cwiseMax(0), last = high.cwiseMin(size_ - Vector3i::Ones());
-    const Vector3i n = last - first + Vector3i::Ones();
-    if ((n.array() <= 0).any()) return;
-    const auto local = [&](int i, int j, int k) {
-      return (std::size_t(i - first[0]) * n[1] + (j - first[1])) * n[2] + (k - first[2]);
-    };
-    std::vector<double> distance2(std::size_t(n[0]) * n[1] * n[2], band_ * band_);
-    std::vector<int> winding(distance2.size(), 0);
-    for (const auto& f : shell.faces) {
-      const Vector3d &a = shell.vertices[f[0]], &b = shell.vertices[f[1]],
-                     &c = shell.vertices[f[2]];
-      const Vector3d least = a.cwiseMin(b).cwiseMin(c), most = a.cwiseMax(b).cwiseMax(c);
-      const Vector3i l = nodeBelow(least - Vector3d::Constant(band_)).cwiseMax(first);
-      const Vector3i m =
-          (nodeBelow(most + Vector3d::Constant(band_)) + Vector3i::Ones()).cwiseMin(last);
-      for (int i = l[0]; i <= m[0]; i++) {
-        for (int j = l[1]; j <= m[1]; j++) {
-          for (int k = l[2]; k <= m[2]; k++) {
-            const Vector3d p = node(i, j, k);
-            double& d2 = distance2[local(i, j, k)];
-            // No nearer than the box around the face is.
-            const Vector3d off = (p - most).cwiseMax(least - p).cwiseMax(0.0);
-            if (off.squaredNorm() >= d2) continue;
-            d2 = std::min(d2, (p - nearestOnTriangle(p, a, b, c)).squaredNorm());
-          }
-        }
-      }
-      // Where the vertical line of a column passes the face, upwards, it enters or leaves. Lines
-      // slightly off the nodes, so that none passes through an edge.
-      const double nz = (b - a).cross(c - a).z();
-      if (nz == 0) continue;
-      const Vector3i cl = nodeBelow(least).cwiseMax(first);
-      const Vector3i cm = (nodeBelow(most) + Vector3i::Ones()).cwiseMin(last);
-      for (int i = cl[0]; i <= cm[0]; i++) {
-        for (int j = cl[1]; j <= cm[1]; j++) {
-          Vector3d p = node(i, j, 0);
-          p.x() += 1.234567e-4 * h_;
-          p.y() += 2.345678e-4 * h_;
-          const auto side = [&](const Vector3d& u, const Vector3d& v) {
-            return (v.x() - u.x()) * (p.y() - u.y()) - (v.y() - u.y()) * (p.x() - u.x());
-          };
-          const double wa = side(b, c) / nz, wb = side(c, a) / nz, wc = side(a, b) / nz;
-          if (wa < 0 || wb < 0 || wc < 0) continue;
-          const double z = wa * a.z() + wb * b.z() + wc * c.z();
-          const int k = std::max(static_cast<int>(std::ceil((z - origin_.z()) / h_)), first[2]);
-          if (k <= last[2]) winding[local(i, j, k)] += nz < 0 ? 1 : -1;
-        }
-      }
-    }
-    for (int i = first[0]; i <= last[0]; i++) {
-      for (int j = first[1]; j <= last[1]; j++) {
-        int inside = 0;
-        for (int k = first[2]; k <= last[2]; k++) {
-          inside += winding[local(i, j, k)];
-          const double d2 = distance2[local(i, j, k)];
-          if (inside <= 0 && d2 >= band_ * band_) continue;
-          const double d = std::sqrt(d2);
-          double& value = value_[index(i, j, k)];
-          const double signed_d = inside > 0 ? -d : d;
-          value = cut ? std::max(value, -signed_d) : blend(value, signed_d, fillet_);
-        }
-      }
-    }
-  }
-
-  // Values near the surface of a signed distance; elsewhere only which side it is on.
-  void set(const std::function<double(const Vector3d&)>& distance) {
-    constexpr int kBlock = 4;
-    for (int i = 0; i < size_[0]; i += kBlock) {
-      for (int j = 0; j < size_[1]; j += kBlock) {
-        for (int k = 0; k < size_[2]; k += kBlock) {
-          const Vector3i first(i, j, k);
-          const Vector3i last = (first + Vector3i::Constant(kBlock)).cwiseMin(size_);
-          const double half = 0.5 * (kBlock - 1) * h_;
-          const double middle = distance(node(i, j, k) + Vector3d::Constant(half));
-          // Half the diagonal, what smoothing reaches, and something as distances are not exact.
-          const bool near = std::abs(middle) < 1.4 * (std::sqrt(3.0) * half + 2 * h_);
-          for (int a = first[0]; a < last[0]; a++) {
-            for (int b = first[1]; b < last[1]; b++) {
-              for (int c = first[2]; c < last[2]; c++) {
-                const double d = near ? distance(node(a, b, c)) : middle;
-                value_[index(a, b, c)] = std::clamp(d, -band_, band_);
-              }
-            }
-          }
-        }
-      }
-    }
-  }
-
   // Each node towards the mean of its six neighbours; planes stay where they are.
-  void smooth(bool symmetric) {
+  void smooth() {
     const std::vector<double> old = value_;
     for (int i = 0; i < size_[0]; i++) {
       for (int j = 0; j < size_[1]; j++) {
         for (int k = 0; k < size_[2]; k++) {
           double sum = 0;
           for (int step : {-1, 1}) {
-            const int jn = symmetric && j + step < 0 ? 1 : j + step;
+            const int jn = symmetric_ && j + step < 0 ? 1 : j + step;
             sum += old[index(std::clamp(i + step, 0, size_[0] - 1), j, k)];
             sum += old[index(i, std::clamp(jn, 0, size_[1] - 1), k)];
             sum += old[index(i, j, std::clamp(k + step, 0, size_[2] - 1))];
@@ -198,7 +70,7 @@ class Field {
 
   // Evens out a mesh of the surface: vertices to the middle of their neighbours and back to the
   // surface.
-  void relax(TriMesh& mesh, bool symmetric) const {
+  void relax(TriMesh& mesh) const {
     std::vector<Vector3d> sum(mesh.vertices.size());
     std::vector<double> count(mesh.vertices.size());
     for (int pass = 0; pass < 6; pass++) {
@@ -212,7 +84,7 @@ class Field {
       }
       for (std::size_t i = 0; i < mesh.vertices.size(); i++) {
         Vector3d& v = mesh.vertices[i];
-        const bool border = symmetric && v.y() == 0;
+        const bool border = symmetric_ && v.y() == 0;
         v += 0.6 * (sum[i] / count[i] - v);
         for (int step = 0; step < 2; step++) {
           const auto [value, gradient] = sample(v);
@@ -317,7 +189,8 @@ class Field {
     return (std::size_t(i) * size_[1] + j) * size_[2] + k;
   }
 
-  const double h_, fillet_, band_;
+  const double h_;
+  const bool symmetric_;
   Vector3d origin_;
   Vector3i size_;
   std::vector<double> value_;
@@ -380,62 +253,14 @@ void settle(const Blend& solid, double voxel, bool symmetric, TriMesh& mesh) {
 
 }  // namespace
 
-std::vector<TriMesh> connectedParts(const TriMesh& mesh) {
-  std::vector<int> root(mesh.vertices.size());
-  for (std::size_t i = 0; i < root.size(); i++) root[i] = static_cast<int>(i);
-  const auto find = [&](int i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  for (const auto& f : mesh.faces) {
-    root[find(f[0])] = find(f[1]);
-    root[find(f[1])] = find(f[2]);
-  }
-  std::map<int, TriMesh> parts;
-  std::vector<int> renamed(mesh.vertices.size());
-  for (std::size_t i = 0; i < mesh.vertices.size(); i++) {
-    TriMesh& part = parts[find(static_cast<int>(i))];
-    renamed[i] = static_cast<int>(part.vertices.size());
-    part.vertices.push_back(mesh.vertices[i]);
-  }
-  for (const auto& f : mesh.faces) {
-    parts[find(f[0])].faces.push_back({renamed[f[0]], renamed[f[1]], renamed[f[2]]});
-  }
-  std::vector<TriMesh> out;
-  for (auto& [r, part] : parts) out.push_back(std::move(part));
-  return out;
-}
-
-TriMesh surfaceOf(const std::function<double(const Vector3d&)>& distance, const AlignedBox3d& box,
-                  const FuseOptions& options) {
-  Field field(box, options);
-  field.set(distance);
-  for (int i = 0; i < options.smoothing; i++) field.smooth(false);
-  TriMesh surface = field.surface();
-  field.relax(surface, false);
-  return simplified(surface, options.max_faces);
-}
-
-TriMesh fuse(const TriMesh& shells, const FuseOptions& options, const TriMesh& cut) {
-  AlignedBox3d box;
-  for (const Vector3d& v : shells.vertices) box.extend(v);
-  Field field(box, options);
-  for (const TriMesh& shell : connectedParts(shells)) field.add(shell);
-  for (const TriMesh& shell : connectedParts(cut)) field.add(shell, true);
-  for (int i = 0; i < options.smoothing; i++) field.smooth(options.symmetric);
-  TriMesh surface = field.surface();
-  field.relax(surface, options.symmetric);
-  if (!options.symmetric) return simplified(surface, options.max_faces);
-  return joinedWithMirror(simplified(surface, options.max_faces / 2));
-}
-
-TriMesh surface(const Blend& solid, double voxel, int max_faces, bool symmetric, bool even) {
-  Field field(solid.box(), {voxel, 0, max_faces, 0, symmetric});
+TriMesh surface(const Blend& solid, double voxel, int max_faces, bool symmetric, Finish finish) {
+  Field field(solid.box(), voxel, symmetric);
   field.sample(solid);
+  if (finish == Finish::kRounded) field.smooth();
   TriMesh mesh = largestPart(field.surface());
-  field.relax(mesh, symmetric);
+  field.relax(mesh);
   mesh = simplified(mesh, symmetric ? max_faces / 2 : max_faces);
-  if (even) settle(solid, voxel, symmetric, mesh);
+  if (finish == Finish::kEven) settle(solid, voxel, symmetric, mesh);
   return symmetric ? joinedWithMirror(mesh) : mesh;
 }
 
