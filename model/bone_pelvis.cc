@@ -1,6 +1,7 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "model/bone_limb.h"
 #include "model/bone_parts.h"
+#include "model/surface.h"
 
 namespace torso {
 namespace {
@@ -151,7 +152,9 @@ std::vector<BonePart> pelvisMesh(const Anatomy& anatomy) {
   const Solid clear_of = grown(moved(meshSolid(bone), X.inverse()), 1);
   const Blend left = Blend(hipBone()).carve(clear_of, 1);
   appendPair(bone, boneSurface(left, 2.0, 3300, X));
-  return {{Tissue::kBone, bone}, {Tissue::kCartilage, boneSurface(symphysis(), 1.2, 200, X)}};
+  const Blend joint = Blend(moved(symphysis(), X));
+  return {{Tissue::kBone, bone},
+          {Tissue::kCartilage, surface(joint, 1.2_mm, 200, true, Finish::kRounded)}};
 }
 
 }  // namespace torso
