@@ -4,9 +4,9 @@
 
 #include "model/bone_parts.h"
 #include "model/bone_skull.h"
-#include "model/surface.h"
 #include "model/loft.h"
 #include "model/sheet.h"
+#include "model/surface.h"
 
 namespace torso {
 

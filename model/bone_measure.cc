@@ -8,8 +8,8 @@
 
 #include "model/body.h"
 #include "model/csv.h"
-#include "model/tri_mesh.h"
 #include "model/loft.h"
+#include "model/tri_mesh.h"
 #include "model/vertebra_measure.h"
 
 namespace torso {

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "model/bone_parts.h"
-#include "model/surface.h"
 #include "model/sheet.h"
+#include "model/surface.h"
 
 namespace torso {
 namespace {

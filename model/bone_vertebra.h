@@ -3,8 +3,8 @@
 
 // A vertebra's parts, for bone_vertebra.cc; in the vertebra frame, of a pair the left one [m].
 
-#include "model/bone_parts.h"
 #include "model/blend.h"
+#include "model/bone_parts.h"
 
 namespace torso {
 

@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "model/tri_mesh.h"
 #include "model/mesh_repair.h"
+#include "model/tri_mesh.h"
 #include "model/vertebra_frame.h"
 #include "tools/bone_names.h"
 #include "tools/error.h"

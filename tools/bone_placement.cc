@@ -10,9 +10,9 @@
 #include "model/body.h"
 #include "model/bone_mesh.h"
 #include "model/bone_registration.h"
-#include "model/tri_mesh.h"
 #include "model/mesh_repair.h"
 #include "model/mesh_section.h"
+#include "model/tri_mesh.h"
 #include "tools/error.h"
 
 namespace torso::tools {

@@ -11,8 +11,8 @@
 #include <random>
 
 #include "model/bone_mesh.h"
-#include "model/tri_mesh.h"
 #include "model/simplify.h"
+#include "model/tri_mesh.h"
 
 namespace torso {
 namespace {
