@@ -42,17 +42,9 @@ struct Cloud {
 };
 
 const Vector3d& nearest(const std::vector<Vector3d>& set, const Vector3d& p, double* distance) {
-  std::size_t best = 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < set.size(); i++) {
-    const double d = (set[i] - p).squaredNorm();
-    if (d < least) {
-      least = d;
-      best = i;
-    }
-  }
-  *distance = std::sqrt(least);
-  return set[best];
+  const Vector3d& q = set[nearestIndex(set, p)];
+  *distance = (q - p).norm();
+  return q;
 }
 
 Registration iterate(const Cloud& mesh, const Cloud& reference, const Matrix3d& start) {

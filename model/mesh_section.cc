@@ -120,4 +120,17 @@ std::vector<SurfacePoint> surfacePoints(const TriMesh& mesh, double spacing) {
   return points;
 }
 
+std::size_t nearestIndex(const std::vector<Vector3d>& points, const Vector3d& p) {
+  std::size_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < points.size(); i++) {
+    const double d = (points[i] - p).squaredNorm();
+    if (d < least) {
+      least = d;
+      best = i;
+    }
+  }
+  return best;
+}
+
 }  // namespace torso

@@ -3,6 +3,7 @@
 
 // Cuts through a closed surface, and what a line or a point meets of it.
 
+#include <cstddef>
 #include <limits>
 #include <vector>
 
@@ -35,5 +36,8 @@ struct SurfacePoint {
 
 // Points no further than about `spacing` from each other, each for its share of the surface.
 std::vector<SurfacePoint> surfacePoints(const TriMesh& mesh, double spacing);
+
+// Which of the points, at least one, is nearest to p.
+std::size_t nearestIndex(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& p);
 
 }  // namespace torso

@@ -81,25 +81,12 @@ class SymmetrySearch {
     return p - 2 * (plane.normal.dot(p) - plane.offset) * plane.normal;
   }
 
-  static std::size_t nearest(const std::vector<Vector3d>& set, const Vector3d& p) {
-    std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < set.size(); i++) {
-      const double d = (set[i] - p).squaredNorm();
-      if (d < least) {
-        least = d;
-        best = i;
-      }
-    }
-    return best;
-  }
-
   static double mismatch(const Plane& plane, const std::vector<Vector3d>& points,
                          const std::vector<Vector3d>& surface) {
     double sum = 0;
     for (const Vector3d& p : points) {
       const Vector3d q = mirrored(plane, p);
-      sum += (surface[nearest(surface, q)] - q).norm();
+      sum += (surface[nearestIndex(surface, q)] - q).norm();
     }
     return sum / static_cast<double>(points.size());
   }
@@ -121,7 +108,7 @@ class SymmetrySearch {
       const std::size_t stride = iteration < kCoarse ? 10 : 2;
       for (std::size_t i = 0; i < fine_.size(); i += stride) {
         const Vector3d image = mirrored(plane, fine_[i]);
-        const std::size_t k = nearest(fine_, image);
+        const std::size_t k = nearestIndex(fine_, image);
         const Vector3d p = fine_[i] - middle_, &normal = normals_[k];
         const double from_plane = n.dot(p) - offset, facing = normal.dot(n);
         rows.push_back({normal.dot(image - fine_[k]),

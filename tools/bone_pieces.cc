@@ -6,7 +6,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -16,6 +15,7 @@
 #include "model/vertebra_frame.h"
 #include "tools/bone_names.h"
 #include "tools/error.h"
+#include "tools/json_file.h"
 #include "tools/mesh_file.h"
 
 namespace torso::tools {
@@ -52,14 +52,7 @@ const std::set<std::string>& knownBodies() {
 std::map<std::string, Names> readMap(const std::string& path) {
   std::map<std::string, Names> out;
   if (path.empty()) return out;
-  std::ifstream file(path);
-  if (!file) throw Error(path + ": cannot be opened");
-  Json root;
-  try {
-    root = Json::parse(file);
-  } catch (const Json::exception& e) {
-    throw Error(fmt::format("{}: not JSON: {}", path, e.what()));
-  }
+  const Json root = readJsonFile(path);
   if (!root.is_object()) throw Error(path + ": must be an object of file names");
   for (const auto& [name, value] : root.items()) {
     Names names;

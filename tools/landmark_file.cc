@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "model/csv.h"
 #include "tools/error.h"
+#include "tools/json_file.h"
 
 namespace torso::tools {
 namespace {
@@ -48,14 +48,7 @@ Vector3d vectorOf(const Json& json) {
 }
 
 std::map<std::string, GivenLandmarks> readJson(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw Error(path + ": cannot be opened");
-  Json root;
-  try {
-    root = Json::parse(file);
-  } catch (const Json::exception& e) {
-    throw Error(fmt::format("{}: not JSON: {}", path, e.what()));
-  }
+  const Json root = readJsonFile(path);
   std::map<std::string, GivenLandmarks> out;
   if (!root.is_object()) throw Error(path + ": must be an object of levels");
   for (const auto& [level, landmarks] : root.items()) {
