@@ -10,6 +10,7 @@
 #include "model/body.h"
 #include "model/disc_fit.h"
 #include "model/facet.h"
+#include "model/facet_gap.h"
 #include "model/ligament.h"
 #include "model/ligament_site.h"
 #include "model/parallel.h"

@@ -170,22 +170,6 @@ void addScapulothoracic(const Anatomy& a, std::vector<Facet>& facets) {
 
 }  // namespace
 
-FacetGap facetGap(const Vector3d& point, const Vector3d& radii, double band, const Vector3d& rest) {
-  constexpr double kWrongSide = 0.3;  // share of the way from the centre to the rest place
-  const Vector3d inverse = radii.cwiseInverse();
-  const Vector3d scaled = point.cwiseProduct(inverse), side = rest.cwiseProduct(inverse);
-  const double along = scaled.dot(side);
-  if (along < kWrongSide) {
-    const Vector3d gradient = side.cwiseProduct(inverse);
-    const double slope = gradient.norm();
-    return {(std::sqrt(1 - band) - along) / slope, gradient / slope};
-  }
-  const double C = scaled.squaredNorm() - 1;
-  const Vector3d gradient = 2 * scaled.cwiseProduct(inverse);
-  const double slope = gradient.norm();
-  return {(std::abs(C) - band) / slope, (C > 0 ? -1 : 1) / slope * gradient};
-}
-
 std::vector<Facet> makeFacets(const Anatomy& anatomy) {
   const double scale = anatomy.length_scale;
   const Anatomy table_size = anatomy.scaled(1 / scale, 1);  // the size that the constants are for

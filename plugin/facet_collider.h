@@ -3,7 +3,7 @@
 
 #include <mujoco/mujoco.h>
 
-#include "model/facet.h"
+#include "model/facet_gap.h"
 #include "plugin/instance.h"
 
 namespace torso::plugin {

@@ -1,5 +1,6 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "model/facet.h"
+#include "model/facet_gap.h"
 
 #include <gtest/gtest.h>
 
