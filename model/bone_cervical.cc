@@ -95,22 +95,24 @@ void addPillars(Blend& bone, const VertebraPlan& plan) {
   addFace(bone, i, 3.5_mm, 1.5_mm);
 }
 
-// Hooks on the sides of the upper endplate, beside the disc above.
+// Hooks on the sides of the upper endplate, beside the disc above: from the rim upwards and out, so
+// that between them the endplate keeps its width.
 void addUncinateProcesses(Blend& bone, const VertebraPlan& plan) {
   const double y = plan.v.upper_endplate_width / 2, z = plan.half_height;
-  const double depth = plan.v.upper_endplate_depth;
+  const double depth = plan.v.upper_endplate_depth, lean = 0.7;
   TubeStyle style;
   style.squareness = 2.3;
-  style.up = Vector3d(0, 0.6, 1);  // they lean outwards
-  const double high = plan.number() == 7 ? 2.2_mm : 3.0_mm;
-  const auto hook = [&](double x, double out, double up, double half) {
-    return Section{{x * depth, y + out * 1e-3, z + up * 1e-3}, 1.5_mm, half};
+  style.up = Vector3d(0, lean, 1);
+  const auto hook = [&](double x, double out, double foot, double top) {
+    const double middle = (foot + top) / 2, half = (top - foot) / 2;
+    return Section{pointMm(0, out + lean * middle, middle) + Vector3d(x * depth, y, z), 1.2_mm,
+                   std::hypot(1, lean) * half * 1e-3};
   };
-  bone.unitePair(
-      rod({hook(0.20, -1.9, -2.5, 2.0_mm), hook(0.02, -1.4, -1.0, 0.6 * high + 1.2_mm),
-           hook(-0.16, -1.3, -0.6, high + 1.0_mm), hook(-0.34, -1.6, -1.0, high + 0.6_mm)},
-          style),
-      1.5_mm);
+  const double high = plan.number() == 7 ? 2.2 : 2.9;
+  bone.unitePair(rod({hook(0.16, -0.6, -1.8, -0.3), hook(0.02, 0.2, -0.5, 0.6 * high),
+                      hook(-0.16, 0.4, -0.2, high), hook(-0.34, 0.5, -0.2, 0.75 * high)},
+                     style),
+                 1.3_mm);
 }
 
 // Two bars around the foramen of the vertebral artery, with a tubercle each; the groove between

@@ -139,9 +139,9 @@ void carveCostalFacets(Blend& bone, const VertebraPlan& plan) {
     const bool on_pedicle = joint.y() < pedicle - 4.0_mm;
     const Vector3d centre(joint.x(), on_pedicle ? pedicle - 1.5_mm : joint.y(), joint.z());
     // A low mound between the body's corner and the pedicle carries it.
-    const double z = std::clamp(joint.z(), 4.0_mm - plan.half_height, plan.half_height - 4.0_mm);
+    const double z = std::clamp(joint.z(), 4.2_mm - plan.half_height, plan.half_height - 4.2_mm);
     const Vector3d corner(0.5 * (joint.x() + plan.back) + 2.0_mm, 0.62 * joint.y(), z);
-    if (!on_pedicle) bone.unitePair(ellipsoidSolid(corner, pointMm(4.5, 4.0, 3.8)), 3.0_mm);
+    if (!on_pedicle) bone.unitePair(ellipsoidSolid(corner, pointMm(4.5, 4.0, 3.4)), 2.2_mm);
     const Vector3d out = Vector3d(0.35, 0.94, 0).normalized();
     bone.carvePair(ellipsoidSolid(centre + 4.2_mm * out, Vector3d::Constant(kRibHead)), 0.8_mm);
   };

@@ -168,11 +168,11 @@ Solid drum(const Endplate& below, const Endplate& above, const DrumStyle& style)
             const double facing = (1 - t) * lower.facing(angle) + t * upper.facing(angle);
             const double around = (r - radius) * facing;
             // Endplates: a rim with a dish inside.
-            constexpr double kDish = 0.4_mm, kRim = 0.1_mm;
-            const double in = std::clamp((0.88 - r / edge) / 0.25, 0.0, 1.0);
+            constexpr double kDish = 0.4_mm, kRim = 0.05_mm;
+            const double in = std::clamp((0.84 - r / edge) / 0.25, 0.0, 1.0);
             const double sunk = kDish * in * in * (3 - 2 * in) - kRim;
             const double ends = sunk - std::min(height, under);
-            const double k = 1.2_mm, h = std::max(k - std::abs(around - ends), 0.0) / k;
+            const double k = 0.6_mm, h = std::max(k - std::abs(around - ends), 0.0) / k;
             return std::max(around, ends) + h * h * k / 4;
           }};
 }

@@ -14,9 +14,9 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Left between bone and disc where they were apart: at the rounded edge of an endplate the flat
-// faces of the elements would else cut into the bone.
-constexpr double kCartilage = 0.25e-3;
+// Left between bone and disc where they were apart, as a share of the reach: at the rounded edge of
+// an endplate the flat faces of the elements would else cut into the bone.
+constexpr double kCartilage = 0.1;
 
 // Way of each of these nodes to the bone.
 std::vector<Vector3d> waysToBone(const DiscMesh& mesh, const std::vector<int>& nodes,
@@ -35,8 +35,8 @@ std::vector<Vector3d> waysToBone(const DiscMesh& mesh, const std::vector<int>& n
     }
     const MeshTree::Nearest nearest = bone.nearest(q);
     if (nearest.distance > reach) continue;
-    ways[i] =
-        std::max(0.0, 1 - kCartilage / nearest.distance) * (frame.inverse() * nearest.point - p);
+    ways[i] = std::max(0.0, 1 - kCartilage * reach / nearest.distance) *
+              (frame.inverse() * nearest.point - p);
     if (p.y() < kMiddle) ways[i].y() = 0;
   }
   for (std::size_t i = 0; i < nodes.size(); i++) {  // the right side as the left

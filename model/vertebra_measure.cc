@@ -167,9 +167,8 @@ double VertebraShape::canalDepth() const {
 
 std::optional<VertebraShape::Pedicle> VertebraShape::findPedicle() const {
   if (!std::isfinite(upper_.height) || !std::isfinite(lower_.height)) return std::nullopt;
-  std::optional<Pedicle> narrowest;
+  std::vector<Pedicle> sections;
   const double step = 0.4 * mm_;
-  double least_height = INFINITY;
   for (double behind = 1.5; behind <= 5.5; behind += 0.5) {
     const double x = backWall(0) - behind * mm_;
     // Heights at which there is a wall beside the canal, not further out than 3 mm beyond the
@@ -203,10 +202,15 @@ std::optional<VertebraShape::Pedicle> VertebraShape::findPedicle() const {
       width = std::min(width, chord(p, {std::sin(a), std::cos(a), 0}));
       height = std::min(height, chord(p, {std::sin(b), 0, std::cos(b)}));
     }
-    least_height = std::min(least_height, height);
-    if (!narrowest || width < narrowest->width) narrowest = {width, 0, medial, p};
+    sections.push_back({width, height, medial, p});
   }
-  if (narrowest) narrowest->height = least_height;
+  if (sections.empty()) return std::nullopt;
+  Pedicle narrowest =
+      *std::min_element(sections.begin(), sections.end(),
+                        [](const Pedicle& a, const Pedicle& b) { return a.width < b.width; });
+  for (const Pedicle& p : sections) {  // wider ones are of a transverse process or its root
+    if (p.width < 1.3 * narrowest.width) narrowest.height = std::min(narrowest.height, p.height);
+  }
   return narrowest;
 }
 

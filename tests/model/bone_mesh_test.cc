@@ -228,8 +228,9 @@ TEST(BoneMesh, EndplatesHaveTheTablesWidthAndDepth) {
       const double width = upper ? v.upper_endplate_width : v.lower_endplate_width;
       const double depth = upper ? v.upper_endplate_depth : v.lower_endplate_depth;
       const Isometry3d into = endplateFrame(v, upper).inverse();
-      // The outline 1.3 mm inside the endplate, where its edge is no longer rounded.
-      const double level = (upper ? -1.3 : 1.3) * kMm;
+      // The outline 1.5 mm inside the endplate, where its edge is no longer rounded, and below the
+      // neck's uncinate processes.
+      const double level = (upper ? -1.5 : 1.5) * kMm;
       Eigen::AlignedBox3d for_width, for_depth;
       for (const auto& f : bone(v.name).faces) {
         for (int k = 0; k < 3; k++) {
