@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "model/csv.h"
+#include "model/range_of_motion.h"
 
 namespace torso {
 namespace {
@@ -134,15 +135,13 @@ DiscTest readDiscTest(const CsvTable& t, int i) {
   return d;
 }
 
-const std::vector<std::string>& motionNames() {
-  static const std::vector<std::string> names = {"flexion", "extension", "flexion_extension",
-                                                 "lateral_bending", "axial_rotation"};
-  return names;
-}
-
 }  // namespace
 
-const std::string& motionName(Motion motion) { return motionNames()[motion]; }
+const std::string& motionName(Motion motion) {
+  static const std::string names[] = {"flexion", "extension", "flexion_extension",
+                                      "lateral_bending", "axial_rotation"};
+  return names[motion];
+}
 
 std::string ligamentPair(const Ligament& ligament) {
   const std::size_t side =
@@ -296,16 +295,7 @@ Anatomy Anatomy::load(const std::string& folder) {
                         servos.number(i, "force_limit_nm")});
   }
 
-  const CsvTable rom(folder + "/range_of_motion.csv");
-  for (int i = 0; i < rom.rows(); i++) {
-    MotionRange& range =
-        a.range_of_motion[rom.text(i, "disc")][rom.word(i, "motion", motionNames())];
-    range = {rom.number(i, "mean_deg") * kDeg, rom.number(i, "low_deg") * kDeg,
-             rom.number(i, "high_deg") * kDeg, rom.text(i, "sources")};
-    if (!(0 <= range.low && range.low <= range.mean && range.mean <= range.high)) {
-      throw std::runtime_error(rom.where(i) + ": low_deg <= mean_deg <= high_deg must hold");
-    }
-  }
+  a.range_of_motion = readRangeOfMotion(folder + "/range_of_motion.csv");
 
   const CsvTable disc_tests(folder + "/disc_tests.csv");
   for (int i = 0; i < disc_tests.rows(); i++) {

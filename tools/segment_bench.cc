@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "model/body.h"
@@ -74,7 +75,9 @@ SegmentBench::SegmentBench(const Anatomy& anatomy, const Skeleton& skeleton,
   for (int i = 0; i < m_->ntendon; i++) {
     if (!parts.ligaments) m_->tendon_limited[i] = 0;
     const std::string tendon = nameOf(m_.get(), mjOBJ_TENDON, i);
-    ligaments_.push_back(tendon.substr(0, tendon.size() - disc_name.size() - 1));
+    for (const Ligament& ligament : anatomy.ligaments) {
+      if (ligament.name + "_" + disc_name == tendon) ligaments_.push_back(ligamentPair(ligament));
+    }
   }
   // A margin that no distance is below.
   for (int i = 0; i < m_->npair && !parts.facets; i++) m_->pair_margin[i] = -mjMAXVAL;
@@ -85,6 +88,24 @@ SegmentBench::SegmentBench(const Anatomy& anatomy, const Skeleton& skeleton,
   upper_ = id(mjOBJ_BODY, options.only[1]);
   lower_site_ = id(mjOBJ_SITE, disc_name + "_lower");
   upper_site_ = id(mjOBJ_SITE, disc_name + "_upper");
+}
+
+std::vector<std::string> SegmentBench::taut(const SegmentPose& pose) const {
+  constexpr double kTaut = 1e-5;  // [m]
+  std::vector<std::string> names;
+  for (int i = 0; i < m_->ntendon; i++) {
+    if (pose.ligament_lengths[i] < m_->tendon_range[2 * i + 1] - kTaut) continue;
+    if (std::find(names.begin(), names.end(), ligaments_[i]) == names.end()) {
+      names.push_back(ligaments_[i]);
+    }
+  }
+  return names;
+}
+
+void SegmentBench::setMaxLength(const std::string& ligament, double length) {
+  for (int i = 0; i < m_->ntendon; i++) {
+    if (ligaments_[i] == ligament) m_->tendon_range[2 * i + 1] = length;
+  }
 }
 
 void SegmentBench::settle(const Vector3d& moment) {
@@ -125,12 +146,15 @@ SegmentPose SegmentBench::pose(double moment, const Vector3d& axis) const {
 }
 
 std::vector<SegmentPose> SegmentBench::load(Turn turn, double moment, int steps) {
+  return load(turnAxis(turn), moment, steps);
+}
+
+std::vector<SegmentPose> SegmentBench::load(const Vector3d& axis, double moment, int steps) {
   mj_resetData(m_.get(), d_.get());
   mj_forward(m_.get(), d_.get());
   if (follower_ > 0) settle(Vector3d::Zero());
   start_rotation_ = matrix3(d_->site_xmat + 9 * upper_site_);
   start_position_ = vector3(d_->site_xpos + 3 * upper_site_);
-  const Vector3d axis = turnAxis(turn);
   std::vector<SegmentPose> poses = {pose(0, axis)};
   for (int i = 1; i <= steps; i++) {
     const double applied = moment * i / steps;

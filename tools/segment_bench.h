@@ -40,11 +40,20 @@ class SegmentBench {
   SegmentBench(const Anatomy& anatomy, const Skeleton& skeleton, const std::string& disc,
                const SegmentParts& parts = {}, double follower = 0);
 
-  const std::vector<std::string>& ligaments() const { return ligaments_; }  // without the level
+  // The ligaments, left ones and right ones, without level and side: "ALL_lat" twice.
+  const std::vector<std::string>& ligaments() const { return ligaments_; }
 
   // Poses under pure moments of constant axis, from none to `moment` [Nm] in equal steps, each held
   // until the segment is at rest. Throws Error if MuJoCo warns.
   std::vector<SegmentPose> load(Turn turn, double moment, int steps);
+  // The same about any axis (unit, disc frame); the poses' angles are about it.
+  std::vector<SegmentPose> load(const Eigen::Vector3d& axis, double moment, int steps);
+
+  // Which of them hold in a pose: those that are at their largest length, each once.
+  std::vector<std::string> taut(const SegmentPose& pose) const;
+
+  // From now on these ligaments hold at `length` [m], left and right.
+  void setMaxLength(const std::string& ligament, double length);
 
  private:
   void settle(const Eigen::Vector3d& moment);

@@ -76,11 +76,19 @@ TEST(SegmentBench, TurnsFurtherUnderMoreMoment) {
   }
 }
 
+IdentifyOptions optionsFor(const std::string& level) {
+  IdentifyOptions options;
+  options.targets = anatomy().range_of_motion;
+  options.discs = {level};
+  return options;
+}
+
 // The lengths are what identification gives again, they let the segment turn by its range, and if
 // those that hold in flexion were a twentieth of their way shorter, it could not.
 TEST(Identification, FindsTheShortestLengthsThatReachTheRange) {
   const std::string name = "T6/T7";
-  const Identification result = identifyLigaments(anatomy(), skeleton(), {name}, 1, [](double) {});
+  const Identification result =
+      identifyLigaments(anatomy(), skeleton(), optionsFor(name), [](double) {});
   ASSERT_EQ(result.lengths.size(), 12u);
   for (const LigamentLength& length : result.lengths) {
     for (const Ligament& ligament : anatomy().ligaments) {
@@ -101,6 +109,55 @@ TEST(Identification, FindsTheShortestLengthsThatReachTheRange) {
   }
   EXPECT_LT(angleAt(withLengths(anatomy(), shorter), name, Turn::kFlexion),
             range[kFlexion].mean - 0.2 * kDegree);
+}
+
+// The shipped lengths pass the test with which the paper's search ends, and no others do: longer
+// ones could be shorter, and a shorter one costs a pose.
+TEST(Identification, EachPoseIsFeasibleAndNoLigamentCouldBeShorter) {
+  const std::string name = "T8/T9";
+  const Identification shipped =
+      presentLengths(anatomy(), skeleton(), optionsFor(name), [](double) {});
+  FeasibilityOptions options;
+  options.actions = 4;
+  const auto check = [&](const Identification& found) {
+    return checkFeasibility(anatomy(), skeleton(), found, options, [](double) {}).at(0);
+  };
+  const LevelFeasibility as_shipped = check(shipped);
+  ASSERT_EQ(as_shipped.poses.size(), 4u);
+  for (const PoseReach& pose : as_shipped.poses) {
+    EXPECT_TRUE(pose.feasible()) << static_cast<int>(pose.pose.turn) << ": "
+                                 << pose.reached / kDegree << " of " << pose.pose.target / kDegree;
+  }
+  ASSERT_EQ(as_shipped.shortenings.size(), 12u);
+  for (const auto& shortening : as_shipped.shortenings) {
+    EXPECT_TRUE(shortening.lost || shortening.slack) << shortening.ligament;
+  }
+
+  Identification longer = shipped;
+  for (LigamentLength& length : longer.lengths) length.max += 0.04 * length.rest;
+  int loose = 0;
+  for (const auto& shortening : check(longer).shortenings) loose += !shortening.lost;
+  EXPECT_EQ(loose, 12);
+
+  Identification shorter = shipped;
+  for (LigamentLength& length : shorter.lengths) {
+    if (length.ligament == "SSL_nuchal") length.max -= 0.02 * length.rest;
+  }
+  const std::vector<PoseReach> poses = check(shorter).poses;
+  EXPECT_FALSE(poses[static_cast<int>(Turn::kFlexion)].feasible());
+}
+
+// Nothing has friction, so a segment that is loaded and unloaded comes back: it has no neutral zone
+// in the sense of Wilke et al. 1998. The lax zone of a straight line is nothing, and of a curve
+// that steepens at an angle it is that angle.
+TEST(RangeOfMotion, LaxZoneIsWhereResistanceBegins) {
+  const auto curve = [](const std::vector<std::pair<double, double>>& points) {
+    std::vector<SegmentPose> poses;
+    for (const auto& [moment, angle] : points) poses.push_back({moment, angle, {}, {}, {}});
+    return poses;
+  };
+  EXPECT_NEAR(laxZone(curve({{0, 0}, {1, 0.02}, {2, 0.04}})), 0, 1e-12);
+  EXPECT_NEAR(laxZone(curve({{0, 0}, {0.1, 0.05}, {1, 0.059}, {2, 0.069}})), 0.049, 1e-12);
 }
 
 // Nine of ten, and those that are not are the ones known.
