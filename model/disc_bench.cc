@@ -202,6 +202,11 @@ void DiscBench::move(const Vector6d& displacement) {
   }
 }
 
+void DiscBench::startFrom(const DiscBench& other) {
+  u_ = other.u_;
+  pose_ = other.pose_;
+}
+
 Vector6d DiscBench::displacement() const {
   const Eigen::AngleAxisd turn(pose_.rotation);
   Vector6d d;
@@ -305,16 +310,29 @@ double meanPreloadRatio(const DiscBench& bench, double preload) {
 double simulateDiscTest(const DiscBench& bench, double retardation_time, const DiscTest& test) {
   if (test.quantity == Quantity::kLossFactor) return 2 * M_PI * retardation_time;
   if (test.quantity == Quantity::kPreloadRatio) return meanPreloadRatio(bench, test.preload);
+  return simulateDiscTest(bench, test, nullptr, nullptr);
+}
+
+double simulateDiscTest(const DiscBench& bench, const DiscTest& test, const DiscTestEnds* near,
+                        DiscTestEnds* ends) {
   const DiscProtocol protocol = discProtocol(test.region, test.quantity);
   const bool moment =
       test.quantity >= Quantity::kFlexion && test.quantity <= Quantity::kAxialTorsion;
   const double small = moment ? kSmallMoment : kSmallForce;
   const double load = test.load > 0 ? test.load : small;
-  const DiscCurve curve = loadDisc(bench, protocol, load, test.preload, kTestSteps);
-  if (static_cast<int>(curve.load.size()) <= kTestSteps)
-    throw DiscGaveWay("the disc gives way under the load of a test");
-  if (test.quantity == Quantity::kPressure) return curve.nucleus_pressure.back();
-  return load / curve.displacement.back();
+  const Vector6d axial = -test.preload * Vector6d::Unit(2);
+  DiscBench preloaded = bench;
+  if (near) preloaded.startFrom(near->preloaded);
+  if (near || test.preload > 0) preloaded.setLoad(axial, protocol.held);
+  DiscBench loaded = preloaded;
+  if (near) loaded.startFrom(near->loaded);
+  const int steps = near ? 1 : kTestSteps;
+  for (int i = 1; i <= steps; ++i) {
+    loaded.setLoad(axial + load * i / steps * protocol.direction, protocol.held);
+  }
+  if (ends) *ends = {preloaded, loaded};
+  if (test.quantity == Quantity::kPressure) return loaded.nucleusPressure();
+  return load / protocol.direction.dot(loaded.displacement() - preloaded.displacement());
 }
 
 }  // namespace torso

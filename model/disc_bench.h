@@ -39,6 +39,10 @@ class DiscBench {
   // Moves the upper bone by a translation and a rotation vector about its disc frame's origin.
   void move(const Vector6d& displacement);
 
+  // Takes the pose and the shape of a disc of the same mesh and perhaps another material, as a
+  // place to start from: not an equilibrium yet.
+  void startFrom(const DiscBench& other);
+
   const DiscPose& pose() const { return pose_; }    // of the upper bone
   Vector6d displacement() const;                    // from rest: translation, rotation vector
   Vector6d load() const;                            // that holds the upper bone where it is
@@ -98,5 +102,15 @@ DiscCurve loadDisc(DiscBench bench, const DiscProtocol& protocol, double load, d
 // `retardation_time` [s]: of a disc whose viscosity is in proportion to its stiffness; the loss
 // factor is that at 1 Hz.
 double simulateDiscTest(const DiscBench& bench, double retardation_time, const DiscTest& test);
+
+// Where a loading begins and ends.
+struct DiscTestEnds {
+  DiscBench preloaded, loaded;
+};
+// The same, but for the loss factor and the preload ratio, and where the disc stood. ends: of a
+// disc of the same mesh and nearly the same material; equilibrium is then looked for from there, in
+// a tenth of the time; null: the load grows from none.
+double simulateDiscTest(const DiscBench& bench, const DiscTest& test, const DiscTestEnds* near,
+                        DiscTestEnds* ends);
 
 }  // namespace torso

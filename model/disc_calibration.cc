@@ -4,7 +4,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "model/disc_bench.h"
 #include "model/parallel.h"
@@ -18,12 +20,23 @@ using Quantity = DiscTest::Quantity;
 
 constexpr double kInsideWeight = 0.25, kOutsideWeight = 20;
 
+using Ends = std::optional<DiscTestEnds>;  // none where a disc gives way
+
 // What a disc gives in a test, or a tenth of the lower bound if it gives way: that a disc finds no
-// equilibrium happens where it is far too soft.
-double outcome(const DiscBench& bench, const DiscTest& test) {
+// equilibrium happens where it is far too soft. near, ends: as simulateDiscTest's, or null.
+double outcome(const DiscBench& bench, const DiscTest& test, const Ends* near, Ends* ends) {
+  if (ends) ends->emplace(DiscTestEnds{bench, bench});
+  DiscTestEnds* const where = ends ? &**ends : nullptr;
+  if (near && *near) {
+    try {
+      return std::max(simulateDiscTest(bench, test, &**near, where), test.low / 10);
+    } catch (const DiscGaveWay&) {
+    }
+  }
   try {
-    return std::max(simulateDiscTest(bench, 0, test), test.low / 10);
+    return std::max(simulateDiscTest(bench, test, nullptr, where), test.low / 10);
   } catch (const DiscGaveWay&) {
+    if (ends) ends->reset();
     return test.low / 10;
   }
 }
@@ -40,10 +53,13 @@ class Fit {
     return m;
   }
 
-  // One column of residuals for each point.
-  MatrixXd residuals(const std::vector<VectorXd>& points) const {
+  // One column of residuals for each point. near: what a point near them all left in `ends`, or
+  // null; ends (disc x test): where the tests of the only point ended, or null.
+  MatrixXd residuals(const std::vector<VectorXd>& points, const std::vector<Ends>* near,
+                     std::vector<Ends>* ends) const {
     const int discs = static_cast<int>(meshes_.size()), tests = static_cast<int>(tests_.size());
     const int constants = static_cast<int>(fittedConstants().size());
+    if (ends) ends->resize(discs * tests);
     MatrixXd r = MatrixXd::Zero(2 * discs * tests + constants, points.size());
     forEach(static_cast<int>(points.size()) * discs, threads_, [&](int i) {
       const int p = i / discs, d = i % discs;
@@ -51,8 +67,10 @@ class Fit {
       for (int t = 0; t < tests; ++t) {
         const DiscTest& test = tests_[t];
         const double half_width = std::log(test.high / test.low) / 2;
-        const double ours = outcome(bench, test);
-        const int row = 2 * (d * tests + t);
+        const int place = d * tests + t;
+        const double ours = outcome(bench, test, near ? &(*near)[place] : nullptr,
+                                    ends ? &(*ends)[place] : nullptr);
+        const int row = 2 * place;
         r(row, p) = kInsideWeight * std::log(ours / test.value) / half_width;
         const double above = std::max(0.0, std::log(ours / test.high));
         const double below = std::max(0.0, std::log(test.low / ours));
@@ -147,7 +165,9 @@ DiscCalibration calibrateDiscs(const std::vector<DiscMesh>& discs,
   constexpr double kConverged = 1e-3;   // step of a logarithm
   constexpr double kLargestStep = 0.7;  // of a logarithm
   constexpr int kMaxIterations = 100;
-  VectorXd r = fit.residuals({logs}).col(0);
+  constexpr double kNear = 0.05;  // of a logarithm: tests may start where the last ended
+  std::vector<Ends> ends, ends_next;
+  VectorXd r = fit.residuals({logs}, nullptr, &ends).col(0);
   MatrixXd J;
   bool exact = false;  // J, that is: by differences here, not carried along by Broyden's update
   double damping = 1e-2;
@@ -156,7 +176,7 @@ DiscCalibration calibrateDiscs(const std::vector<DiscMesh>& discs,
     if (J.size() == 0) {
       std::vector<VectorXd> points(n, logs);
       for (int k = 0; k < n; ++k) points[k][k] += kDifference;
-      J = (fit.residuals(points).colwise() - r) / kDifference;
+      J = (fit.residuals(points, &ends, nullptr).colwise() - r) / kDifference;
       exact = true;
     }
     VectorXd next = dampedStep(J, r, logs, damping);
@@ -168,12 +188,14 @@ DiscCalibration calibrateDiscs(const std::vector<DiscMesh>& discs,
       J.resize(0, 0);
       continue;
     }
-    const VectorXd r_next = fit.residuals({next}).col(0);
+    const bool near = step.cwiseAbs().maxCoeff() < kNear;
+    const VectorXd r_next = fit.residuals({next}, near ? &ends : nullptr, &ends_next).col(0);
     if (r_next.squaredNorm() < r.squaredNorm()) {
       J += (r_next - r - J * step) * step.transpose() / step.squaredNorm();
       exact = false;
       logs = next;
       r = r_next;
+      std::swap(ends, ends_next);
       damping = std::max(damping / 10, 1e-6);
     } else if (exact) {
       damping = std::max(10 * damping, 1e-4);

@@ -43,6 +43,9 @@ SegmentPose poseAt(const std::vector<SegmentPose>& poses, double angle) {
 
 // A ligament is tightened to within this of what it could be, of its length at rest.
 constexpr double kResolution = 0.002;
+// While tightening, poses must be reached with this to spare [rad], so that the table's rounding
+// costs none.
+constexpr double kSpare = 0.5 * kReachTolerance;
 // Longest in one pose by far: by this share of its length at rest. Assumed.
 constexpr double kIndependent = 0.02;
 
@@ -115,7 +118,9 @@ class Level {
  private:
   // Shortens one ligament after the other while all poses can be reached.
   void tighten(const std::vector<std::string>& order, std::vector<LigamentLength>* lengths) const {
-    SegmentReach reach(withLengths(anatomy_, *lengths), skeleton_, disc_, extremePoses(reach_));
+    std::vector<ExtremePose> poses = extremePoses(reach_);
+    for (ExtremePose& pose : poses) pose.target += kSpare;
+    SegmentReach reach(withLengths(anatomy_, *lengths), skeleton_, disc_, poses);
     std::vector<LigamentLength*> turns;
     for (LigamentLength& length : *lengths) turns.push_back(&length);
     const auto rank = [&](const LigamentLength* l) {

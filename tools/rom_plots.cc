@@ -43,7 +43,8 @@ std::string levelFigure() {
       "set output 'rom.png'\nset terminal pngcairo size 1500,1300 font 'sans,13'\n"
       "set multiplot layout 3,1 title 'Range of motion of each level: red, human mean and range "
       "of publications; blue, segments under pure moments'\n"
-      "set style fill solid 0.15 noborder\nset xtics rotate by -35\nset key top right\n";
+      "set style fill solid 0.15 noborder\nset xtics rotate by -35\nset xrange [-0.4:*]\n"
+      "set offsets 0,0.4,graph 0.2,0\nset key at graph 0.5,0.97 center top horizontal\n";
   int column = 2;
   for (const Motion motion : kPanels) {
     text += fmt::format(
@@ -126,7 +127,8 @@ std::string curveFigure(Region region, const std::vector<std::string>& discs,
       "set output '{0}_curves.png'\nset terminal pngcairo size 2000,760 font 'sans,13'\n"
       "set multiplot layout 1,3 title '{0} segments: lines, ours from below (dark) to above "
       "(light); red, published mean and range of each level in the same order'\n"
-      "set xtics norotate\nset key bottom right font ',10'\n",
+      "set xtics norotate\nset xrange [*:*]\nunset offsets\n"
+      "set key default bottom right font ',10'\n",
       regionName(region));
   const double moment = laboratoryMoment(region);
   const double last = std::max(1.0, static_cast<double>(discs.size()) - 1);

@@ -26,7 +26,7 @@ struct PoseReach {
 };
 
 // A pose counts as reached from this close [rad]: how well the bench's rest is known.
-constexpr double kReachTolerance = 0.02 * EIGEN_PI / 180;
+constexpr double kReachTolerance = 0.03 * EIGEN_PI / 180;
 
 class SegmentReach {
  public:
