@@ -15,6 +15,7 @@
 #include "tools/disc_plots.h"
 #include "tools/disc_report.h"
 #include "tools/error.h"
+#include "tools/gnuplot.h"
 #include "tools/paths.h"
 #include "tools/progress_bar.h"
 
@@ -219,7 +220,7 @@ void discs(const Options& options) {
   }
   if (options.plot_folder.empty()) return;
   writeDiscPlots(options.plot_folder, anatomy, reports);
-  if (!drawDiscPlots(options.plot_folder)) {
+  if (!runGnuplot(options.plot_folder, "discs.gp")) {
     std::cerr << fmt::format(
         "torso discs: {}: holds the curves and discs.gp but no pictures, as there is no gnuplot on "
         "this machine (Debian: apt install gnuplot-nox)\n",

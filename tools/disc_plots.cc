@@ -2,15 +2,10 @@
 #include "tools/disc_plots.h"
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
-#include "tools/error.h"
 #include "tools/files.h"
 
 namespace torso::tools {
@@ -168,23 +163,6 @@ void writeDiscPlots(const std::string& folder, const Anatomy& anatomy,
     script += figure(anatomy, chosen);
   }
   writeFile(folder + "/discs.gp", script);
-}
-
-bool drawDiscPlots(const std::string& folder) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  char program[] = "gnuplot", script[] = "discs.gp";
-  char* arguments[] = {program, script, nullptr};
-  pid_t child = 0;
-  const int failure = posix_spawnp(&child, program, &actions, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failure == ENOENT) return false;
-  int status = 0;
-  if (failure || waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status)) {
-    throw Error(fmt::format("{}/discs.gp: gnuplot failed", folder));
-  }
-  return true;
 }
 
 }  // namespace torso::tools

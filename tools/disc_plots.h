@@ -16,7 +16,4 @@ namespace torso::tools {
 void writeDiscPlots(const std::string& folder, const Anatomy& anatomy,
                     const std::vector<DiscReport>& reports);
 
-// Runs discs.gp in `folder`. Throws Error; returns false if there is no gnuplot on this machine.
-bool drawDiscPlots(const std::string& folder);
-
 }  // namespace torso::tools
