@@ -276,11 +276,12 @@ Anatomy Anatomy::load(const std::string& folder) {
 
   const CsvTable joints(folder + "/joints.csv");
   for (int i = 0; i < joints.rows(); i++) {
-    a.joints.push_back(
-        {joints.text(i, "joint"), joints.text(i, "parent"), joints.text(i, "child"),
-         joints.text(i, "landmark"), a.landmark(joints.text(i, "landmark")),
-         joints.number(i, "limit_deg") * kDeg, joints.number(i, "stiffness_nm_per_rad"),
-         joints.number(i, "damping_nms_per_rad"), joints.number(i, "armature_kgm2")});
+    a.joints.push_back({joints.text(i, "joint"), joints.text(i, "parent"), joints.text(i, "child"),
+                        joints.text(i, "landmark"), a.landmark(joints.text(i, "landmark")),
+                        joints.number(i, "limit_deg") * kDeg, joints.number(i, "slack_deg") * kDeg,
+                        joints.number(i, "stiffness_nm_per_rad"),
+                        joints.number(i, "damping_nms_per_rad"),
+                        joints.number(i, "armature_kgm2")});
   }
 
   const CsvTable servos(folder + "/servos.csv");

@@ -93,7 +93,9 @@ struct Segment {  // a body that is not a vertebra; left side of a pair
 struct BallJoint {  // left side of a pair
   std::string name, parent, child, landmark;
   Eigen::Vector3d position;  // [m], of the landmark
-  double limit;              // half angle of the cone about the rest orientation [rad], 0: none
+  // Half angle of the cone about the rest orientation [rad], 0: none. slack: the capsule is loose
+  // so far and resists more and more up to the limit; equal to the limit where that is a stop.
+  double limit, slack;
   double stiffness, damping, armature;
 };
 

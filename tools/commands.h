@@ -19,6 +19,7 @@ void addInfo(CLI::App& app);
 void addRender(CLI::App& app);
 void addRom(CLI::App& app);
 void addRun(CLI::App& app);
+void addShoulder(CLI::App& app);
 void addTimestep(CLI::App& app);
 void addView(CLI::App& app);
 

@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   addInfo(app);
   addRom(app);
   addRun(app);
+  addShoulder(app);
   addView(app);
   addRender(app);
   addBench(app);

@@ -36,10 +36,12 @@ constexpr int kWorldBit = 1, kLimbBit = 2;
 // direction, never acts on them; the plugin reports distances below it (facet_collider.h).
 constexpr double kFacetMargin = 0.1, kFacetGap = 0.3;
 
-// Capsules, radiate ligaments and intercostal tissue between the rib cage and the spine: linear
-// bushings at T1, T4, T7 and T10. Assumed: soft beside the facets, enough to keep the cage from
-// rattling in their bands.
-constexpr const char* kBushingLevels[] = {"T1", "T4", "T7", "T10"};
+// The ribs that reach the sternum, T1 - T10, bend: each pair holds its vertebra to the cage as a
+// linear bushing. Translation: a rib bends by a millimetre under some newtons (Schultz et al. 1974,
+// J Biomech 7:303-309), a pair near its vertebra is taken as stiffer. Rotation: so that the cage's
+// share of the thorax' stiffness is as measured in vitro (region_motion.csv; torso rom --whole).
+constexpr const char* kBushingLevels[] = {"T1", "T2", "T3", "T4", "T5",
+                                          "T6", "T7", "T8", "T9", "T10"};
 constexpr double kBushing[4] = {1e4, 200, 5, 1};  // [N/m, Ns/m, Nm/rad, Nms/rad]
 
 // Rows exist from this distance before the limit, so that the plugin can stop a fast ligament at
@@ -50,6 +52,14 @@ constexpr double kLigamentMargin = 0.0005;
 // Stiff enough to hold the band within a millimetre in a 2 m fall, soft enough for 200 Hz.
 constexpr const char* kLimitSolref = "0.004 1";
 constexpr const char* kLimitSolimp = "0.9 0.99 0.001";
+
+// The capsule of a joint with slack, as a limit with impedance d, which resists by d^2 / (1 - d) /
+// 0.034^2 / 0.98^2 times the angle beyond the slack and the joint's mean inertia: 5 Nm/rad for the
+// arm of the tables while d is 0.5, and as a stop where it nears 0.98.
+constexpr const char* kCapsuleSolref = "0.034 1";
+std::string capsuleSolimp(const BallJoint& joint) {
+  return mjcfText({0.5, 0.98, joint.limit - joint.slack, 0.9, 10});
+}
 
 class Writer {
  public:
@@ -384,9 +394,10 @@ XMLElement* Writer::writeBody(XMLElement* parent, const std::string& parent_name
           .set("armature", joint.armature);
       // In degrees, MJCF's default, so that the file can be included in others.
       if (joint.limit > 0) {
-        ball.set("range", {0, joint.limit * 180 / M_PI})
-            .set("solreflimit", kLimitSolref)
-            .set("solimplimit", kLimitSolimp);
+        const bool capsule = joint.slack < joint.limit;
+        ball.set("range", {0, joint.slack * 180 / M_PI})
+            .set("solreflimit", capsule ? kCapsuleSolref : kLimitSolref)
+            .set("solimplimit", capsule ? capsuleSolimp(joint) : kLimitSolimp);
       }
     }
   }

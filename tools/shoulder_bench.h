@@ -1,0 +1,69 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The left shoulder on the bench: rib cage clamped, with clavicle, scapula and arm.
+
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include "model/anatomy.h"
+#include "model/skeleton.h"
+#include "tools/mujoco_support.h"
+
+namespace torso::tools {
+
+// Angles are ISB's (Wu et al. 2005, J Biomech 38:981-992), against the rib cage [rad].
+struct ShoulderPose {
+  double time;       // [s]
+  double elevation;  // of the humerus from straight down
+  // Change since the arm hung at the side.
+  double upward_rotation, posterior_tilt, external_rotation;  // of the scapula
+  double clavicle_elevation, clavicle_retraction, clavicle_posterior_rotation;
+  double gliding_distance;  // largest of the scapula's four points from its ellipsoid [m]
+  double clearance;         // least between the meshes of scapula and rib cage, below 0 inside [m]
+  double medial_border;     // largest distance of the scapula's medial border from the ribs [m]
+};
+
+// Ways to move the shoulder girdle with the arm hanging, by its servos.
+enum class GirdleMotion { kElevation, kDepression, kProtraction, kRetraction };
+constexpr GirdleMotion kGirdleMotions[] = {GirdleMotion::kElevation, GirdleMotion::kDepression,
+                                           GirdleMotion::kProtraction, GirdleMotion::kRetraction};
+const char* girdleMotionName(GirdleMotion motion);  // "elevation" ...
+
+class ShoulderBench {
+ public:
+  // The bodies whose bones the skeleton must have.
+  static std::vector<std::string> bodies();
+
+  // Throws Error.
+  ShoulderBench(const Anatomy& anatomy, const Skeleton& skeleton);
+
+  // Raises the arm in the coronal plane to `top` [rad] within `seconds` and lowers it as slowly: a
+  // couple between rib cage and humerus turns the shaft of the humerus, which may spin. No servos
+  // and no gravity: what the scapula does comes of capsule, joints and the ellipsoid it glides on.
+  // Poses at equal times, `count` on the way up and as many on the way down. Throws Error if MuJoCo
+  // warns.
+  std::vector<ShoulderPose> raiseArm(double top, double seconds, int count);
+
+  // Where the servos of the sternoclavicular joint bring the girdle, the others held at rest, under
+  // gravity: the pose at rest, then `count` poses on the way to the end of the servo's range.
+  std::vector<ShoulderPose> moveGirdle(GirdleMotion motion, int count);
+
+ private:
+  void reset(bool servos);
+  void step(const Eigen::Vector3d& shaft_target);
+  ShoulderPose pose() const;
+  Eigen::Matrix3d turned(int body) const;  // from rest to now, rib cage axes
+  Eigen::Isometry3d placed(int body, const Eigen::Isometry3d& rest) const;
+
+  const Anatomy& anatomy_;
+  const Skeleton& skeleton_;
+  ModelPtr m_;
+  DataPtr d_;
+  int scapula_, clavicle_, humerus_, ellipsoid_, points_[4];  // bodies; geoms
+  std::vector<Eigen::Vector3d> border_;                       // medial border [m], standing body
+  ShoulderPose rest_ = {};
+};
+
+}  // namespace torso::tools

@@ -1,0 +1,139 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "tools/whole_spine.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "model/body.h"
+#include "tools/bone_files.h"
+#include "tools/error.h"
+#include "tools/torso_mjcf.h"
+
+namespace torso::tools {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+// At rest: slower than this at the end of a hold, or after so many holds.
+constexpr double kRestSpeed = 5e-3;  // [rad/s]
+constexpr double kHold = 0.1, kLongestHold = 3;
+
+Vector3d vector3(const mjtNum* x) { return {x[0], x[1], x[2]}; }
+Matrix3d matrix3(const mjtNum* x) { return Eigen::Map<const RowMatrix3d>(x); }
+
+}  // namespace
+
+WholeSpine::WholeSpine(const Anatomy& whole, const Skeleton& skeleton, const SpineParts& parts) {
+  Anatomy anatomy = whole;
+  for (Disc& disc : anatomy.discs) {
+    if (parts.discs) break;
+    for (double* modulus : {&disc.material.annulus_modulus, &disc.material.fibre_modulus,
+                            &disc.material.nucleus_modulus, &disc.material.nucleus_bulk_modulus}) {
+      *modulus *= 1e-3;
+    }
+  }
+  MjcfOptions options;
+  options.anchored = "pelvis";
+  options.only = spineBodies(anatomy);
+  if (parts.ribcage) options.only.push_back("ribcage");
+  options.bones = false;
+  options.skeleton = &skeleton;
+  tinyxml2::XMLDocument document;
+  writeMjcf(anatomy, options, document);
+  tinyxml2::XMLPrinter printer;
+  document.Print(&printer);
+  m_ = compileModel(printer.CStr(), "whole spine");
+  mju_zero3(m_->opt.gravity);
+  m_->opt.disableflags |= mjDSBL_ACTUATION;
+  for (int i = 0; i < m_->ntendon && !parts.ligaments; i++) m_->tendon_limited[i] = 0;
+  // A margin that no distance is below.
+  for (int i = 0; i < m_->npair && !parts.facets; i++) m_->pair_margin[i] = -mjMAXVAL;
+  d_ = makeData(m_.get());
+  for (const Disc& disc : anatomy.discs) {
+    const auto site = [&](const char* suffix) {
+      return mj_name2id(m_.get(), mjOBJ_SITE, (disc.name + suffix).c_str());
+    };
+    const int lower = site("_lower"), upper = site("_upper");
+    levels_.push_back(
+        {lower, upper, m_->site_bodyid[lower], m_->site_bodyid[upper], Matrix3d::Identity()});
+  }
+}
+
+Matrix3d WholeSpine::relative(const Level& level) const {
+  return matrix3(d_->site_xmat + 9 * level.lower_site).transpose() *
+         matrix3(d_->site_xmat + 9 * level.upper_site);
+}
+
+void WholeSpine::apply(const SpineLoad& start, const SpineLoad& end, double share) {
+  mjData* d = d_.get();
+  const auto add = [&](int body, const Vector3d& force, const Vector3d& moment) {
+    mju_addTo3(d->xfrc_applied + 6 * body, force.data());
+    mju_addTo3(d->xfrc_applied + 6 * body + 3, moment.data());
+  };
+  mju_zero(d->xfrc_applied, 6 * m_->nbody);
+  for (std::size_t i = 0; i < levels_.size(); i++) {
+    const Level& level = levels_[i];
+    const Vector3d moment = (1 - share) * start[i].moment + share * end[i].moment;
+    const double follower = (1 - share) * start[i].follower + share * end[i].follower;
+    // At one point, along the mean of the two bones' axes: a force that turns neither.
+    const Vector3d point = vector3(d->site_xpos + 3 * level.upper_site);
+    const Vector3d axis = matrix3(d->site_xmat + 9 * level.lower_site).col(2) +
+                          matrix3(d->site_xmat + 9 * level.upper_site).col(2);
+    const Vector3d force = -follower * axis.normalized();
+    const auto arm = [&](int body) { return Vector3d(point - vector3(d->xipos + 3 * body)); };
+    add(level.upper_body, force, moment + arm(level.upper_body).cross(force));
+    add(level.lower_body, -force, -moment - arm(level.lower_body).cross(force));
+  }
+}
+
+void WholeSpine::settle(const SpineLoad& start, const SpineLoad& end, double share) {
+  mjModel* m = m_.get();
+  mjData* d = d_.get();
+  const int hold = static_cast<int>(std::ceil(kHold / m->opt.timestep));
+  for (double time = 0; time < kLongestHold; time += kHold) {
+    for (int i = 0; i < hold; i++) {
+      apply(start, end, share);
+      mj_step(m, d);
+    }
+    double speed = 0;
+    for (int i = 0; i < m->nv; i++) speed = std::max(speed, std::abs(d->qvel[i]));
+    if (speed < kRestSpeed) break;
+  }
+  const std::string warning = firstWarning(d);
+  if (!warning.empty()) throw Error(fmt::format("whole spine: {}", warning));
+}
+
+SpinePose WholeSpine::pose() const {
+  SpinePose pose;
+  for (const Level& level : levels_) {
+    const Eigen::AngleAxisd rotation(Matrix3d(relative(level) * level.start.transpose()));
+    pose.levels.push_back(rotation.angle() * rotation.axis());
+    Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+    X.linear() = relative(level);
+    X.translation() = matrix3(d_->site_xmat + 9 * level.lower_site).transpose() *
+                      (vector3(d_->site_xpos + 3 * level.upper_site) -
+                       vector3(d_->site_xpos + 3 * level.lower_site));
+    pose.placement.push_back(X);
+  }
+  return pose;
+}
+
+std::vector<SpinePose> WholeSpine::load(const SpineLoad& start, const SpineLoad& end, int steps) {
+  mj_resetData(m_.get(), d_.get());
+  mj_forward(m_.get(), d_.get());
+  settle(start, end, 0);
+  for (Level& level : levels_) level.start = relative(level);
+  std::vector<SpinePose> poses;
+  for (int i = 1; i <= steps; i++) {
+    settle(start, end, static_cast<double>(i) / steps);
+    poses.push_back(pose());
+  }
+  return poses;
+}
+
+}  // namespace torso::tools
