@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "model/body.h"
-#include "model/facet.h"
+#include "model/facet_gap.h"
 #include "tools/error.h"
 #include "tools/torso_mjcf.h"
 
