@@ -14,9 +14,10 @@ TriMesh headMesh(const Anatomy& anatomy) {
   const double scale = (anatomy.landmark("head_vertex").z() - ear.z()) / (kVaultHeight + kScalp);
   // The occipital condyles lie on C1.
   TriMesh mesh = skullMesh((anatomy.c2.position + pointMm(1, 17, 23.5) - ear) / scale);
-  append(mesh, teethMesh(upperArch()));
-  append(mesh, mandibleMesh());
-  append(mesh, teethMesh(lowerArch()));
+  const TriMesh mandible = mandibleMesh();
+  append(mesh, teethMesh(upperArch(), mesh));
+  append(mesh, mandible);
+  append(mesh, teethMesh(lowerArch(), mandible));
   for (Vector3d& v : mesh.vertices) v = ear + scale * v;
   append(mesh, atlasMesh(anatomy));
   append(mesh, axisMesh(anatomy));

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/bone_vertebra.h"
+#include "model/sheet.h"
 
 namespace torso {
 namespace {
@@ -35,7 +36,8 @@ void addLaminae(Blend& bone, const VertebraPlan& plan) {
                  3.5_mm);
 }
 
-// A hatchet: a tall plate whose square end is thicker, most of all below.
+// A hatchet: a thin tall plate, narrower where it leaves the laminae; its end is a thick border
+// that droops below, with a knob at the lower corner.
 void addSpinousProcess(Blend& bone, const VertebraPlan& plan) {
   const Vector3d tip = plan.spinous_tip, root = laminaMiddle(plan);
   const bool l5 = plan.number() == 5;
@@ -52,28 +54,29 @@ void addSpinousProcess(Blend& bone, const VertebraPlan& plan) {
     return Vector2d(start.x() + back_share * (end - start.x()), z * 1e-3);
   };
   const double z0 = start.y() * 1e3;
-  const std::vector<Vector2d> outline = {
-      {start.x() + 1.0_mm, start.y() - 8.5_mm},
-      {start.x() + 1.0_mm, start.y() + 8.5_mm},
-      at(0.18, z0 + 6.5),
-      at(0.40, 0.5 * z0 + tall * 7.2),
-      at(0.70, tall * 8.6),
-      at(0.90, tall * 9.4),
-      at(0.975, tall * 7.5),
-      at(1.0, tall * 2.0),
-      at(1.0, tall * -6.0),
-      at(0.975, tall * -10.5),
-      at(0.89, tall * -11.4),
-      at(0.72, tall * -10.8),
-      at(0.48, 0.4 * z0 - tall * 9.2),
-      at(0.22, z0 - 8.6),
-  };
+  const std::vector<Vector2d> outline = smoothOutline({{start.x() + 1.0_mm, start.y() - 7.5_mm},
+                                                       {start.x() + 1.0_mm, start.y() + 8.0_mm},
+                                                       at(0.18, z0 + 6.2),
+                                                       at(0.40, 0.5 * z0 + tall * 6.6),
+                                                       at(0.70, tall * 8.0),
+                                                       at(0.87, tall * 9.3),
+                                                       at(0.95, tall * 9.0),
+                                                       at(0.99, tall * 5.5),
+                                                       at(1.0, tall * 1.0),
+                                                       at(1.0, tall * -5.0),
+                                                       at(0.985, tall * -9.5),
+                                                       at(0.93, tall * -12.0),
+                                                       at(0.84, tall * -11.8),
+                                                       at(0.70, tall * -10.0),
+                                                       at(0.48, 0.4 * z0 - tall * 8.2),
+                                                       at(0.22, z0 - 7.6)},
+                                                      3);
   const double length = start.x() - end;
   const auto thickness = [=](const Vector2d& p) {
-    const double s = std::clamp((start.x() - p.x()) / length, 0.0, 1.2);
-    const double low = std::clamp(-p.y() / 10.0_mm, 0.0, 1.0);
-    return 7.8_mm + 3.6_mm * std::pow(1 - std::min(s, 1.0), 2) +
-           2.6_mm * std::pow(std::clamp((s - 0.5) / 0.5, 0.0, 1.2), 2) + 1.4_mm * low * s;
+    const double s = std::clamp((start.x() - p.x()) / length, 0.0, 1.1);
+    const double low = std::clamp(-p.y() / 11.0_mm, 0.0, 1.0);
+    const double border = std::pow(std::clamp((s - 0.6) / 0.4, 0.0, 1.1), 2);
+    return 8.0_mm + 4.0_mm * std::pow(1 - std::min(s, 1.0), 2) + (3.4_mm + 2.8_mm * low) * border;
   };
   bone.unite(outlinePlate(X, outline, thickness, 3.5_mm), 5.0_mm);
 }
@@ -134,10 +137,10 @@ void addTransverseProcess(Blend& bone, const VertebraPlan& plan) {
                        style),
                    5.0_mm);
   } else {
-    bone.unitePair(rod({{root, 4.2_mm, 6.5_mm},
-                        {between(0.25, -1.6, -0.5), 3.4_mm, 4.9_mm},
-                        {between(0.55, -1.6, -0.4), 2.8_mm, 5.0_mm},
-                        {between(0.85, -0.6, 0), 2.5_mm, 5.0_mm},
+    bone.unitePair(rod({{root, 4.6_mm, 6.5_mm},
+                        {between(0.25, -1.6, -0.5), 3.8_mm, 5.2_mm},
+                        {between(0.55, -1.6, -0.4), 3.3_mm, 5.3_mm},
+                        {between(0.85, -0.6, 0), 2.9_mm, 5.2_mm},
                         {tip, tip_side, tip_up}},
                        style),
                    4.0_mm);

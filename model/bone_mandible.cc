@@ -5,6 +5,7 @@
 #include "model/bone_parts.h"
 #include "model/bone_skull.h"
 #include "model/loft.h"
+#include "model/mesh_checks.h"
 #include "model/sheet.h"
 #include "model/surface.h"
 
@@ -29,6 +30,10 @@ double DentalArch::speed(double angle) const {
   return std::hypot(width * std::cos(angle), length * std::sin(angle));
 }
 
+double DentalArch::curvature(double angle) const {
+  return width * length / std::pow(speed(angle), 3);
+}
+
 double DentalArch::lastAngle() const {
   double angle = 0;
   for (double crown : crowns) {
@@ -49,11 +54,13 @@ const DentalArch& lowerArch() {
   return arch;
 }
 
-// Crowns as shells of their own, which stand in the bone: round at the neck, wider towards the edge
-// of incisors and the face of molars.
-TriMesh teethMesh(const DentalArch& arch) {
+// Crowns as shells of their own, round at the neck, wider towards the edge of incisors and the face
+// of molars.
+TriMesh teethMesh(const DentalArch& arch, const TriMesh& jaw) {
   TriMesh mesh;
+  const MeshTree bone(jaw);
   constexpr int kSides = 8;
+  constexpr double kGap = 0.35;  // so that no two shells touch [mm]
   double angle = 0;
   for (std::size_t i = 0; i < arch.crowns.size(); i++) {
     const double half = 0.5 * arch.crowns[i];
@@ -62,24 +69,39 @@ TriMesh teethMesh(const DentalArch& arch) {
     // Depth, front to back or cheek to tongue, at the neck and at the edge; height of the crown.
     const double neck = incisor ? 3 : canine ? 3.8 : molar ? 5 : 4.2;
     const double edge = incisor ? 0.9 : canine ? 1.1 : molar ? 3.9 : 2.9;
-    const double height = incisor ? (arch.upper ? 10.5 : 9) : canine ? 10.5 : molar ? 7 : 8;
 
     // Along the crown: share of its height from the edge, depth, share of its width.
-    const double rows[][3] = {{1.7, 0.75 * neck, 0.62},  {1.0, neck, 0.74},
-                              {0.62, 1.08 * neck, 0.92}, {0.25, 0.5 * (neck + edge), 0.985},
-                              {0.05, edge, 0.96},        {-0.02, 0.6 * edge, canine ? 0.4 : 0.8}};
+    const double rows[][3] = {{1.0, neck, 0.74},
+                              {0.62, 1.08 * neck, 0.92},
+                              {0.25, 0.5 * (neck + edge), 0.97},
+                              {0.05, edge, 0.95},
+                              {-0.02, 0.6 * edge, canine ? 0.4 : 0.8}};
     const Vector3d outwards = arch.outwards(angle), along(-outwards.y(), outwards.x(), 0);
+    // Of a row of a crown so high: a point at a share of its depth and width.
+    const auto at = [&](const double* row, double height, double out, double side) -> Vector3d {
+      const double inset = 0.9 * row[1] + std::max(0.0, row[0] - 0.4);  // roots lie further in
+      const double inside = inset - row[1] * out;  // where the neighbours come closer
+      return arch.point(angle, row[0] * height, inset) + row[1] * out * outwards +
+             row[2] * half * (1 - inside * arch.curvature(angle)) * side * along;
+    };
+    // Down to the bone.
+    double height = incisor ? (arch.upper ? 10.5 : 9) : canine ? 10.5 : molar ? 7 : 8;
+    const auto clear = [&] {
+      for (double out : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+        for (double side : {-1.0, 0.0, 1.0}) {
+          if (bone.signedDistance(at(rows[0], height, out, side)) < kGap) return false;
+        }
+      }
+      return true;
+    };
+    while (height > 2 && !clear()) height -= 0.1;
     std::vector<Ring> rings;
     for (const auto& row : rows) {
       Ring ring;
-      const double inset = 0.9 * row[1] + std::max(0.0, row[0] - 0.4);  // roots lie further in
       for (int k = 0; k < kSides; k++) {
         const double turn = 2 * EIGEN_PI * (k + 0.5) / kSides;
         const auto boxy = [](double x) { return std::copysign(std::pow(std::abs(x), 0.75), x); };
-
-        ring.push_back(arch.point(angle, row[0] * height, inset) +
-                       row[1] * boxy(std::sin(turn)) * outwards +
-                       row[2] * half * boxy(std::cos(turn)) * along);
+        ring.push_back(at(row, height, boxy(std::sin(turn)), boxy(std::cos(turn))));
       }
       rings.push_back(ring);
     }
@@ -112,7 +134,7 @@ TriMesh mandibleMesh() {
   for (int k = -6; k <= 6; k++) {
     ridge.push_back({lowerArch().point(k / 6.0 * lowerArch().lastAngle(), 14, 4), 4.6, 5.5});
   }
-  s.unite(bar(ridge, Vector3d::UnitZ(), 2.4), 5);
+  s.unite(bar(ridge, Vector3d::UnitZ(), 4), 5);
   // Ramus: a plate with the neck of the joint's head, the notch and the coronoid process above, and
   // the angle below; turned so that it spreads upwards and to the rear.
   Sheet ramus;

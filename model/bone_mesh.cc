@@ -61,21 +61,25 @@ std::vector<Tissue> boneTissues(const Anatomy& anatomy, const std::string& body)
   throw std::invalid_argument("no body of the torso is called '" + body + "'");
 }
 
-std::vector<BonePart> boneMesh(const Anatomy& anatomy, const std::string& body) {
-  const double scale = anatomy.length_scale;
-  // Vertebrae are described by the tables in full; other bones are made as the tables' body has
-  // them and then carried into the person's.
-  const bool carried = anatomy.warp && !isFreeVertebra(anatomy, body);
-  if (scale == 1 && !carried) return tableMesh(anatomy, body);
-  std::vector<BonePart> parts =
-      tableMesh(carried ? anatomy.warp->tables() : anatomy.scaled(1 / scale, 1), body);
+std::vector<BonePart> carriedMesh(const Anatomy& person, const std::string& body,
+                                  std::vector<BonePart> parts) {
+  // Vertebrae are described by a person's tables in full.
+  const bool warped = person.warp && !isFreeVertebra(person, body);
   for (BonePart& part : parts) {
     for (Eigen::Vector3d& p : part.mesh.vertices) {
-      if (carried) p = (*anatomy.warp)(body, p);
-      p *= scale;
+      if (warped) p = (*person.warp)(body, p);
+      p *= person.length_scale;
     }
   }
   return parts;
+}
+
+std::vector<BonePart> boneMesh(const Anatomy& anatomy, const std::string& body) {
+  const bool warped = anatomy.warp && !isFreeVertebra(anatomy, body);
+  if (anatomy.length_scale == 1 && !warped) return tableMesh(anatomy, body);
+  const Anatomy table_size =
+      warped ? anatomy.warp->tables() : anatomy.scaled(1 / anatomy.length_scale, 1);
+  return carriedMesh(anatomy, body, tableMesh(table_size, body));
 }
 
 }  // namespace torso

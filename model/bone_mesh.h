@@ -28,6 +28,11 @@ struct BonePart {
 // std::invalid_argument for another name. Takes up to two seconds.
 std::vector<BonePart> boneMesh(const Anatomy& anatomy, const std::string& body);
 
+// Of a body that is no free vertebra: what boneMesh makes for a person (personalAnatomy), from what
+// it has made for the tables' body, `parts`. Fast.
+std::vector<BonePart> carriedMesh(const Anatomy& person, const std::string& body,
+                                  std::vector<BonePart> parts);
+
 // Tissues of boneMesh's parts, in their order, without making them. Throws as boneMesh does.
 std::vector<Tissue> boneTissues(const Anatomy& anatomy, const std::string& body);
 

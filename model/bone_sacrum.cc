@@ -144,12 +144,12 @@ void addSuperiorProcesses(Blend& bone, const Anatomy& anatomy) {
     const VertebraPlan::Face face = {facetFrame(anatomy, f), f.width, f.height};
     TubeStyle style;
     style.up = face.frame.linear().col(2);
-    bone.unitePair(rod({{pointMm(-27, 26, -14), 8.0_mm, 6.0_mm},
-                        {face.at(0, -0.15 * f.height, -5.0_mm), 0.46 * f.width, 4.5_mm},
-                        {face.at(0, 0.2 * f.height, -4.0_mm), 0.42 * f.width, 3.6_mm}},
+    bone.unitePair(rod({{pointMm(-29, 26.5, -14), 7.5_mm, 5.0_mm},
+                        {face.at(0, -0.15 * f.height, -3.6_mm), 0.46 * f.width, 3.2_mm},
+                        {face.at(0, 0.2 * f.height, -2.8_mm), 0.42 * f.width, 2.5_mm}},
                        style),
-                   4.0_mm);
-    addFace(bone, face, 5.0_mm, 3.0_mm);
+                   2.5_mm);
+    addFace(bone, face, 3.2_mm, 2.0_mm);
     clearFace(bone, face);
     outlineFace(bone, face);
   }

@@ -69,92 +69,111 @@ class Scapula {
         {// lateral border, from the inferior angle up to the glenoid
          {-6, -105.5},
          {2, -105},
-         {10, -99},
-         {22, -88},
-         {40, -70},
-         {60, -50},
-         {78, -33},
-         {90, -22},
-         {97, -16},
+         {11, -98},
+         {20, -86},  // where teres major springs
+         {31, -75},
+         {48, -60},
+         {63, -45},
+         {76, -32},
+         {87, -24},
+         {95, -18},
          // glenoid
-         {99, 0},
-         {95, 18},
+         {98, 0},
+         {94, 17},
          // superior border with its notch beside the coracoid
          {86, 27},
          {77, 28},
-         {72.5, 24.5},
-         {69.5, 23.5},
-         {66, 29},
-         {55, 36},
-         {42, 43},
-         {32, 49},
-         {25, 51.5},
-         {20, 48},
-         // medial border
-         {13, 36},
-         {5, 18},
-         {-0.5, 2},
-         {-4.5, -15},
-         {-8.5, -42},
-         {-11, -72},
-         {-11, -94},
-         {-10, -102}},
+         {72.5, 23.5},
+         {69.0, 22.5},
+         {65, 28},
+         {55, 35},
+         {42, 42},
+         {32, 48},
+         {24, 51},
+         {18, 48},
+         // medial border, convex, bent at the root of the spine
+         {11, 36},
+         {3.5, 18},
+         {-1.5, 2},
+         {-6, -15},
+         {-10.5, -42},
+         {-12.5, -72},
+         {-12, -94},
+         {-10.5, -102}},
         4);
     sheet.middle = [](double u, double v) {
-      // Hollow towards the ribs; above the spine the blade leans forward.
-      const double across = std::max(0.0, 1 - std::pow((u - 42) / 60, 2));
-      const double low = smoothStep(-105, -60, v);
-      return -7.0 * across * (0.35 + 0.65 * low) +
-             0.30 * 6 * std::log1p(std::exp((v - 8) / 6)) * (1 - u / 140) +
-             0.0008 * std::pow(std::min(0.0, v + 60), 2);
+      // Hollow towards the ribs, most of all beside the lateral bar; above the spine the blade
+      // leans forward, and so does the inferior angle.
+      const double across = std::max(0.0, 1 - std::pow((u - 44) / 56, 2));
+      const double low = smoothStep(-105, -45, v);
+      return -8.5 * across * (0.25 + 0.75 * low) +
+             0.42 * 6 * std::log1p(std::exp((v - 8) / 6)) * (1 - u / 130) +
+             0.0014 * std::pow(std::min(0.0, v + 55), 2);
     };
     sheet.half_thickness = [](double u, double v, double inset) {
-      double t = 1.25 + 1.0 * std::exp(-inset / 2.5);
+      double t = 1.25 + 1.3 * std::exp(-inset / 2.2);
       // Bar along the lateral border, from the glenoid down.
-      const double bar = beside({92, -20}, {6, -98}, u, v);
-      t += (1.0 + 2.6 * smoothStep(-100, -30, v)) * std::exp(-std::pow(bar / 6.5, 2));
+      const double bar =
+          std::min({beside({90, -20}, {58, -44}, u, v), beside({58, -44}, {26, -73}, u, v),
+                    beside({26, -73}, {4, -99}, u, v)});
+      t += (1.6 + 3.4 * smoothStep(-100, -25, v)) * std::exp(-std::pow(bar / 5.5, 2));
       t += 4.0 * smoothStep(66, 98, u) * (1 - smoothStep(10, 30, std::abs(v)));  // neck
-      return t + 1.2 * std::exp(-std::pow(std::hypot(u + 4, v + 100) / 9, 2));
+      // Ridges of subscapularis' tendons, from the medial border towards the neck.
+      for (double from : {-20.0, -45.0, -70.0}) {
+        const double ridge = beside({-6, from}, {52, -10 + 0.55 * (from + 10)}, u, v);
+        t += 0.55 * std::exp(-std::pow(ridge / 2.8, 2));
+      }
+      return t + 1.6 * std::exp(-std::pow(std::hypot(u + 4, v + 99) / 9, 2)) +
+             0.9 * std::exp(-std::pow(std::hypot(u - 22, v - 47) / 8, 2));
     };
-    sheet.max_height = 20;
-    sheet.max_half_thickness = 11;
+    sheet.max_height = 24;
+    sheet.max_half_thickness = 12;
     return sheetSolid(sheet);
   }
 
-  // A plate off the back of the blade, higher towards the acromion, with a thick crest. x along u,
-  // y away from the blade, z along v.
+  // A plate off the back of the blade that begins with a flat triangle at the medial border and
+  // rises steadily towards the acromion; its crest is thick, with the tubercle of trapezius, and
+  // droops over the infraspinous fossa. x along u, y away from the blade, z along v.
   static Solid spine() {
     Sheet sheet;
     sheet.frame = Isometry3d::Identity();
     sheet.frame.linear() << Vector3d::UnitX(), -Vector3d::UnitZ(), Vector3d::UnitY();
     sheet.outline = smoothOutline({{86, 5},
-                                   {87, 11},
-                                   {90, 18},
-                                   {97, 25},
-                                   {108, 30},
-                                   {120, 32},
-                                   {122, 37},
-                                   {112, 38.5},
-                                   {92, 35},
-                                   {72, 29.5},
-                                   {50, 23},
-                                   {30, 16.5},
-                                   {14, 9},
-                                   {3, 4},
-                                   {1, 1},
+                                   {84, 10},
+                                   {88, 18},
+                                   {95, 25},
+                                   {106, 30},
+                                   {119, 33},
+                                   {121, 40},
+                                   {110, 42.5},
+                                   {92, 40},
+                                   {72, 35},
+                                   {52, 28.5},
+                                   {36, 22},
+                                   {20, 13.5},
+                                   {8, 7},
+                                   {-1, 3.5},
+                                   {-2, 0},
                                    {20, 6},
                                    {40, 9},
                                    {64, 9}},
                                   4);
-    sheet.middle = [](double u, double h) { return 0.1 * u + 0.18 * h; };
-    sheet.half_thickness = [](double u, double h, double inset) {
-      const double crest = beside({3, 3}, {50, 23}, u, h), far = beside({50, 23}, {120, 38}, u, h);
-      return 1.5 + 1.0 * std::exp(-inset / 3) +
-             2.2 * std::exp(-std::pow(std::min(crest, far) / 4.5, 2)) +
-             1.3 * std::exp(-std::pow(std::hypot(u - 30, h - 15) / 9, 2));
+    // From TS it climbs towards the acromion; its free edge is turned up a little.
+    sheet.middle = [](double u, double h) {
+      return 0.10 * u + 0.10 * h -
+             3.2 * std::exp(-std::pow((u - 30) / 22, 2)) * smoothStep(6, 22, h);
     };
-    sheet.max_height = 22;
-    sheet.max_half_thickness = 6.5;
+    sheet.half_thickness = [](double u, double h, double inset) {
+      const double crest =
+          std::min({beside({-1, 2}, {36, 20.5}, u, h), beside({36, 20.5}, {72, 33}, u, h),
+                    beside({72, 33}, {120, 40}, u, h)});
+      return 1.5 + 0.9 * std::exp(-inset / 3) +
+             (2.6 + 0.6 * smoothStep(70, 110, u)) * std::exp(-std::pow(crest / 4.2, 2)) +
+             2.4 * std::exp(-std::pow(std::hypot(u - 34, h - 19) / 8, 2)) +  // trapezius
+             2.6 * std::exp(-std::pow(std::hypot(u - 1, h - 3) / 9, 2));     // triangle of the root
+    };
+    sheet.max_height = 24;
+    sheet.max_half_thickness = 10;
     return sheetSolid(sheet);
   }
 
@@ -164,53 +183,60 @@ class Scapula {
     Sheet sheet;
     sheet.frame = Isometry3d::Identity();
     sheet.frame.linear() << Vector3d::UnitX(), Vector3d::UnitZ(), -Vector3d::UnitY();
-    sheet.outline = smoothOutline({{100, -38},
-                                   {112, -39},
-                                   {121, -37},
-                                   {131, -29},
-                                   {139, -16},
-                                   {144, -3},
-                                   {145.5, 7},
+    sheet.outline = smoothOutline({{96, -41},
+                                   {110, -43},
+                                   {122, -40},
+                                   {133, -31},
+                                   {142, -18},
+                                   {147, -4},
+                                   {147, 7},
                                    {142, 11.5},
                                    {138.5, 10},
-                                   {135.5, 5},
-                                   {130, 2},
-                                   {124, -1},
-                                   {118, -8},
-                                   {112, -18},
-                                   {104, -28},
-                                   {97, -33}},
+                                   {136, 5},
+                                   {130.5, 1.5},
+                                   {124, -2.5},
+                                   {115, -12},
+                                   {109, -22},
+                                   {101, -30},
+                                   {93, -34}},
                                   4);
+    // Vaulted, as the head of the humerus is below.
     sheet.middle = [](double u, double n) {
       return -(18 + 0.42 * (n + 36) - 0.004 * std::pow(n + 16, 2) + 1.6 -
-               0.006 * std::pow(std::max(0.0, u - 128), 2));
+               0.010 * std::pow(std::max(0.0, u - 124), 2));
     };
-    sheet.half_thickness = [](double, double n, double) { return 4.2 - 0.02 * (n + 36); };
+    sheet.half_thickness = [](double u, double n, double inset) {
+      const double facet = std::hypot(u - 133, n - 5) / 8;  // for the clavicle
+      return 3.4 - 0.012 * (n + 36) + 1.0 * std::exp(-inset / 3.5) + 0.8 * std::exp(-facet * facet);
+    };
     sheet.max_height = 45;
-    sheet.max_half_thickness = 5;
+    sheet.max_half_thickness = 6;
     return sheetSolid(sheet);
   }
 
   static void addGlenoid(Blend& s) {
-    // Neck, and a pear wider below, with the tubercles of biceps and triceps above and below it.
-    s.unite(bar({{{74, -2, -2}, 10, 3}, {{85, -1, -1}, 12, 5}, {{95, -1, 0}, 14, 8.5}},
+    // Neck, and a pear wider below with a raised rim, the tubercles of biceps and triceps above and
+    // below it.
+    s.unite(bar({{{70, -2, -2.5}, 10, 3}, {{80, -1, -1.5}, 11.5, 4.5}, {{90, -1, -0.5}, 12.5, 6.5}},
                 Vector3d::UnitZ()),
             10);
-    s.unite(bar({{{98.5, -7.5, 0}, 6, 12.5}, {{98.5, 3, 0}, 6, 11}, {{98.5, 13, 0}, 5.5, 7.5}},
-                Vector3d::UnitZ(), 2.3),
-            3);
-    s.unite(ellipsoidSolid({95, 19, 1}, {5, 4, 4}), 4);
-    s.unite(ellipsoidSolid({92, -21.5, 0}, {6, 5, 3.5}), 5);
+    s.unite(
+        bar({{{97.5, -8.5, 0}, 5.2, 13.6}, {{97.5, 1, 0}, 5.2, 12}, {{97.5, 13.5, 0.5}, 4.6, 7.6}},
+            Vector3d::UnitZ(), 2.3),
+        2.5);
+    s.unite(ellipsoidSolid({93.5, 20, 1}, {4.5, 3.6, 3.6}), 3);
+    s.unite(bar({{{92, -21.5, 0}, 5, 3.2}, {{84, -28, -1}, 3.6, 2.6}}), 4);
   }
 
-  // Up and forward from the neck, then a hook to the side.
+  // Up and forward from the neck, flattened, then a hook to the side with a blunt tip.
   static void addCoracoid(Blend& s) {
-    s.unite(bar({{{83, 16, 2}, 8, 6},
-                 {{84, 26, 7}, 7.5, 6},
-                 {{88, 33, 15}, 7, 5.5},
-                 {{96, 33, 26}, 6.5, 5},
-                 {{105, 27.5, 35}, 6, 4.8},
-                 {{112, 21, 40}, 4.6, 4.2}},
+    s.unite(bar({{{82, 14, 2}, 10, 6.5},
+                 {{83, 25, 6}, 8.6, 6.2},
+                 {{86, 31.5, 13}, 8, 5.4},
+                 {{94, 33, 24}, 7.2, 4.8},
+                 {{103, 29, 33}, 6.6, 4.6},
+                 {{110, 23, 38}, 5.8, 4.6},
+                 {{114, 19, 40}, 4.8, 4.2}},
                 Vector3d(0.3, 0.7, -0.3)),
             6);
   }
@@ -227,13 +253,15 @@ TriMesh clavicleMesh(const Anatomy& anatomy) {
   const Vector3d ac = anatomy.landmark("acromioclavicular_joint_AC");
   const Vector3d along = ac - sc;
   const Vector3d front = along.normalized().cross(Vector3d::UnitZ()).normalized();
-  // The medial part convex to the front, the lateral third concave: an S seen from above. Share of
-  // the length, offset to the front and up, half axes across and up [mm].
+  // The medial part convex to the front, the lateral third concave: an S seen from above. Ends
+  // about 20 and 23 mm broad, as Bernat et al. 2014, Surg Radiol Anat 36:721-731, found them in
+  // 68 bones (22.8 to 24.7 and 23.5 to 25.9), the medial one less, so as to clear the first rib.
+  // Share of the length, offset to the front and up, half axes across and up [mm].
   constexpr double kStations[][5] = {
-      {0.024, 1, 4, 8, 8.2},     {0.055, 3, 4.8, 8.8, 8.8}, {0.12, 6, 5, 7.6, 7.8},
-      {0.20, 9, 4.6, 6.5, 6.8},  {0.30, 10.5, 4, 6, 6.2},   {0.42, 9, 3, 5.8, 5.8},
-      {0.54, 4.5, 3, 6, 5.4},    {0.65, -1, 2.5, 6.8, 5.3}, {0.74, -5.5, 2, 8.2, 5.2},
-      {0.83, -7, 1.8, 9.2, 4.9}, {0.91, -5, 1.2, 9, 4.7},   {0.982, -1.5, 0.3, 7.2, 4.4}};
+      {0.024, 1, 4.6, 9.2, 8.2},  {0.055, 3, 5.4, 10, 8.8},   {0.12, 6, 5.4, 9, 8.4},
+      {0.20, 9, 4.6, 7.6, 7.6},   {0.30, 10.5, 4, 6.5, 6.6},  {0.42, 9, 3, 6.1, 6.0},
+      {0.54, 4.5, 3, 6.4, 5.7},   {0.65, -1, 2.5, 7.8, 5.7},  {0.74, -5.5, 2.2, 9.8, 5.7},
+      {0.83, -7, 2.2, 11.4, 5.6}, {0.91, -5, 1.6, 10.6, 5.3}, {0.970, -1.5, 0.6, 7.6, 4.4}};
   std::vector<Section> sections;
   const double mm = 1e-3 * anatomy.length_scale;
   for (const auto& s : kStations) {

@@ -143,7 +143,7 @@ void addFace(Blend& s) {
     ridge.push_back({arch.point(angle, 14, 4.4), 5, 5.5});
     floor.push_back({arch.point(angle, 23, 6), 6, 7});
   }
-  s.unite(bar(ridge, Vector3d::UnitZ(), 2.4), 4);
+  s.unite(bar(ridge, Vector3d::UnitZ(), 4), 4);
   s.unite(bar(floor, Vector3d::UnitZ(), 2), 5);
 }
 

@@ -27,8 +27,9 @@ struct DentalArch {
   Eigen::Vector3d point(double angle, double root, double inset) const;
   // Unit direction out of the arch.
   Eigen::Vector3d outwards(double angle) const;
-  double speed(double angle) const;  // |d point / d angle|
-  double lastAngle() const;          // where the row ends
+  double speed(double angle) const;      // |d point / d angle|
+  double curvature(double angle) const;  // [1/mm]
+  double lastAngle() const;              // where the row ends
 };
 const DentalArch& upperArch();
 const DentalArch& lowerArch();
@@ -36,6 +37,7 @@ const DentalArch& lowerArch();
 // Cranium and face. `condyle`: middle of the left occipital condyle's face for C1.
 TriMesh skullMesh(const Eigen::Vector3d& condyle);
 TriMesh mandibleMesh();
-TriMesh teethMesh(const DentalArch& arch);
+// Crowns, which stand a little off the jaw and off each other.
+TriMesh teethMesh(const DentalArch& arch, const TriMesh& jaw);
 
 }  // namespace torso

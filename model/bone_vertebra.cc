@@ -191,7 +191,7 @@ Solid vertebralBody(const VertebraPlan& plan) {
 void addPedicles(Blend& bone, const VertebraPlan& plan) {
   const Vertebra& v = plan.v;
   const Vector3d end = plan.pedicle_end;
-  const double half = v.pedicle_width / 2, height = plan.cervical() || v.name == "L5" ? 0.88 : 0.98;
+  const double half = v.pedicle_width / 2, height = v.name == "C7" || v.name == "L5" ? 0.88 : 0.98;
   const double up = height * v.pedicle_height / 2;
   TubeStyle style;
   style.cap = 0.5;

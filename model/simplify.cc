@@ -63,7 +63,7 @@ class Simplifier {
     while (count_ > max_faces && !heap_.empty()) {
       const Candidate c = heap_.top();
       heap_.pop();
-      if (c.version_a == version_[c.a] && c.version_b == version_[c.b]) collapse(c);
+      if (c.version == version_[c.a] + version_[c.b]) collapse(c);
     }
     TriMesh out;
     std::vector<int> renamed(v_.size(), -1);
@@ -84,15 +84,19 @@ class Simplifier {
   }
 
  private:
-  struct Candidate {
+  struct Candidate {  // small: most of the time goes into moving these
     double cost;
-    int a, b, version_a, version_b;
-    Vector3d place;
+    int a, b;
+    int version;  // sum of both ends', which only grow
     int tries;
     bool operator<(const Candidate& other) const { return cost > other.cost; }
   };
 
-  void push(int a, int b) {
+  struct Merge {
+    Vector3d place;
+    double cost;
+  };
+  Merge merge(int a, int b) const {
     Quadric q = quadric_[a];
     q.A += quadric_[b].A;
     q.b += quadric_[b].b;
@@ -115,12 +119,13 @@ class Simplifier {
       if (border) place.y() = 0;
     }
     // Among flat places short edges go first, for even faces.
-    const double cost = std::max(q(place), 0.0) + 3e-4 * area * edge.squaredNorm();
-    heap_.push({cost, a, b, version_[a], version_[b], place, 0});
+    return {place, std::max(q(place), 0.0) + 3e-4 * area * edge.squaredNorm()};
   }
 
-  std::vector<int> neighbours(int a) const {  // ascending
-    std::vector<int> out;
+  void push(int a, int b) { heap_.push({merge(a, b).cost, a, b, version_[a] + version_[b], 0}); }
+
+  void neighbours(int a, std::vector<int>& out) const {  // ascending
+    out.clear();
     for (int i : faces_of_[a]) {
       for (int k : f_[i]) {
         if (k != a) out.push_back(k);
@@ -128,12 +133,13 @@ class Simplifier {
     }
     std::sort(out.begin(), out.end());
     out.erase(std::unique(out.begin(), out.end()), out.end());
-    return out;
   }
 
   void collapse(const Candidate& c) {
     // The surface stays a surface if the two ends share just the neighbours opposite the edge.
-    const std::vector<int> na = neighbours(c.a), nb = neighbours(c.b);
+    std::vector<int>&na = neighbours_a_, &nb = neighbours_b_;
+    neighbours(c.a, na);
+    neighbours(c.b, nb);
     int shared_faces = 0, shared = 0;
     for (int i : faces_of_[c.a]) shared_faces += contains(i, c.b);
     for (int i : na) shared += std::binary_search(nb.begin(), nb.end(), i);
@@ -150,6 +156,7 @@ class Simplifier {
         }
       }
     }
+    const Vector3d place = merge(c.a, c.b).place;
     for (int end : {c.a, c.b}) {
       for (int i : faces_of_[end]) {
         if (contains(i, c.a) && contains(i, c.b)) continue;
@@ -158,7 +165,7 @@ class Simplifier {
         const double was = quality(p);
         const Vector3d before = (p[1] - p[0]).cross(p[2] - p[0]);
         for (int k = 0; k < 3; k++) {
-          if (f_[i][k] == end) p[k] = c.place;
+          if (f_[i][k] == end) p[k] = place;
         }
         const double is = quality(p);
         const Vector3d after = (p[1] - p[0]).cross(p[2] - p[0]);
@@ -176,7 +183,7 @@ class Simplifier {
         }
       }
     }
-    v_[c.a] = c.place;
+    v_[c.a] = place;
     quadric_[c.a].A += quadric_[c.b].A;
     quadric_[c.a].b += quadric_[c.b].b;
     quadric_[c.a].c += quadric_[c.b].c;
@@ -192,12 +199,13 @@ class Simplifier {
       }
       faces_of_[c.a].push_back(i);
     }
-    for (int i : neighbours(c.a)) removeDead(i);
     removeDead(c.a);
+    neighbours(c.a, na);
+    for (int i : na) removeDead(i);
     faces_of_[c.b].clear();
     version_[c.b]++;
     version_[c.a]++;
-    for (int i : neighbours(c.a)) push(c.a, i);
+    for (int i : na) push(c.a, i);
   }
 
   // Height over the longest edge, about: 0 for a sliver, 0.87 for an equilateral triangle.
@@ -224,6 +232,7 @@ class Simplifier {
   std::vector<int> version_;
   std::vector<bool> border_, alive_;
   std::priority_queue<Candidate> heap_;
+  std::vector<int> neighbours_a_, neighbours_b_;  // of collapse(), to spare their making
   int count_;
 };
 

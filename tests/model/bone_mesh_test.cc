@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "model/anatomy.h"
+#include "model/loft.h"
 
 namespace torso {
 namespace {
@@ -42,7 +43,14 @@ std::vector<std::string> bodies() {
 const std::vector<BonePart>& parts(const std::string& body) {
   static std::map<std::string, std::vector<BonePart>> cache;
   const auto it = cache.find(body);
-  return it != cache.end() ? it->second : cache[body] = boneMesh(anatomy(), body);
+  if (it != cache.end()) return it->second;
+  // To save time, only one pair is made on both sides.
+  if (body.rfind("right_", 0) != 0 || body == "right_clavicle") {
+    return cache[body] = boneMesh(anatomy(), body);
+  }
+  std::vector<BonePart> pair = parts("left_" + body.substr(6));
+  for (BonePart& part : pair) part.mesh = mirrored(part.mesh);
+  return cache[body] = pair;
 }
 
 // Bone of a body, without cartilage.
