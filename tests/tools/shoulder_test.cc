@@ -34,8 +34,12 @@ TEST(Shoulder, ScapulaFollowsTheArmAsPublished) {
     if (row.quantity != "upward_rotation" || row.elevation > 121 * kDegree) continue;
     const double ours = upwardRotationAt(report().raising, row.elevation) / kDegree;
     const double value = row.value / kDegree;
-    if (row.source == "Inman 1944" && row.elevation > 31 * kDegree) EXPECT_GT(ours, value - 3);
-    if (row.source == "McClure 2001") EXPECT_LT(ours, value + 3);
+    if (row.source == "Inman 1944" && row.elevation > 31 * kDegree) {
+      EXPECT_GT(ours, value - 3);
+    }
+    if (row.source == "McClure 2001") {
+      EXPECT_LT(ours, value + 3);
+    }
     compared++;
   }
   EXPECT_EQ(compared, 8);
@@ -63,10 +67,18 @@ TEST(Shoulder, ShrugsProtractsAndRetracts) {
   for (const auto& [motion, poses] : report().girdle) {
     const ShoulderPose& end = poses.back();
     SCOPED_TRACE(girdleMotionName(motion));
-    if (motion == GirdleMotion::kElevation) EXPECT_GT(end.clavicle_elevation, 20 * kDegree);
-    if (motion == GirdleMotion::kDepression) EXPECT_LT(end.clavicle_elevation, -4 * kDegree);
-    if (motion == GirdleMotion::kProtraction) EXPECT_LT(end.clavicle_retraction, -10 * kDegree);
-    if (motion == GirdleMotion::kRetraction) EXPECT_GT(end.clavicle_retraction, 10 * kDegree);
+    if (motion == GirdleMotion::kElevation) {
+      EXPECT_GT(end.clavicle_elevation, 20 * kDegree);
+    }
+    if (motion == GirdleMotion::kDepression) {
+      EXPECT_LT(end.clavicle_elevation, -4 * kDegree);
+    }
+    if (motion == GirdleMotion::kProtraction) {
+      EXPECT_LT(end.clavicle_retraction, -10 * kDegree);
+    }
+    if (motion == GirdleMotion::kRetraction) {
+      EXPECT_GT(end.clavicle_retraction, 10 * kDegree);
+    }
     EXPECT_LT(end.medial_border, poses.front().medial_border + 0.01);
   }
 }
