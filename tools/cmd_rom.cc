@@ -321,6 +321,7 @@ void addRom(CLI::App& app) {
       "  torso rom\n"
       "  torso rom --plot out/rom                     # also moment-angle curves\n"
       "  torso rom --level L4/L5 --without ligaments\n"
+      "  torso rom --whole --plot out/whole           # whole spine, totals of regions; minutes\n"
       "  torso rom --follower --json | jq .regions");
   command->add_option("--level", options->levels, "Only these segments, e.g. L4/L5");
   command->add_option("--without", options->without, "Leave these out: ligaments, facets")
