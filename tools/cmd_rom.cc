@@ -18,6 +18,7 @@
 #include "tools/progress_bar.h"
 #include "tools/rom_plots.h"
 #include "tools/rom_report.h"
+#include "tools/whole_spine_rom.h"
 
 namespace torso::tools {
 namespace {
@@ -36,6 +37,11 @@ struct Options {
   std::vector<std::string> levels, without;
   std::string plot_folder;
   bool follower = false, json = false;
+};
+
+struct WholeOptions {
+  bool on = false;
+  int mixtures = 24;
 };
 
 struct Report {
@@ -315,6 +321,7 @@ void addRom(CLI::App& app) {
       "  torso rom\n"
       "  torso rom --plot out/rom                     # also moment-angle curves\n"
       "  torso rom --level L4/L5 --without ligaments\n"
+      "  torso rom --whole --plot out/whole           # whole spine, totals of regions; minutes\n"
       "  torso rom --follower --json | jq .regions");
   command->add_option("--level", options->levels, "Only these segments, e.g. L4/L5");
   command->add_option("--without", options->without, "Leave these out: ligaments, facets")
@@ -324,7 +331,24 @@ void addRom(CLI::App& app) {
   command->add_option("--plot", options->plot_folder,
                       "Write curves and pictures (gnuplot) into this folder");
   command->add_flag("--json", options->json, "Print JSON, with the curves");
-  command->callback([options] { rom(*options); });
+  auto whole = std::make_shared<WholeOptions>();
+  auto* flag = command->add_flag("--whole", whole->on,
+                                 "The whole spine with the rib cage instead: extremes of voluntary "
+                                 "motions, totals of regions");
+  command
+      ->add_option("--mixtures", whole->mixtures,
+                   "With --whole: so many random mixtures of motions, of which the outer 5 % are "
+                   "left out")
+      ->needs(flag)
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->callback([options, whole] {
+    if (whole->on) {
+      romWhole(options->json, options->plot_folder, whole->mixtures);
+    } else {
+      rom(*options);
+    }
+  });
 }
 
 }  // namespace torso::tools

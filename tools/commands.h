@@ -7,6 +7,7 @@ namespace torso::tools {
 
 // One subcommand each, in the file cmd_<name>.cc. A command writes data to stdout and messages to
 // stderr, and throws Error if it cannot do what was asked.
+void addAblate(CLI::App& app);
 void addBench(CLI::App& app);
 void addBones(CLI::App& app);
 void addBuild(CLI::App& app);

@@ -111,7 +111,7 @@ ShoulderPose ShoulderBench::pose() const {
   p.upward_rotation = std::asin(s.z()) - rest_.upward_rotation;
   p.external_rotation = -std::atan2(s.x(), s.y()) - rest_.external_rotation;
   p.posterior_tilt =
-      -std::atan2(normal.dot(level.cross(s)), normal.dot(level)) - rest_.posterior_tilt;
+      -std::atan2(normal.dot(s.cross(level)), normal.dot(level)) - rest_.posterior_tilt;
   const Vector3d c = (turned(clavicle_) * clavicle).normalized();
   p.clavicle_elevation = std::asin(c.z()) - rest_.clavicle_elevation;
   p.clavicle_retraction = std::atan2(-c.x(), c.y()) - rest_.clavicle_retraction;

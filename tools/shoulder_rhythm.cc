@@ -107,7 +107,7 @@ void writeShoulderPlots(const std::string& folder, const ShoulderReport& report,
       "set terminal pngcairo size 1500,650 font 'sans,13'\nset output 'shoulder.png'\n"
       "set datafile separator ','\nset grid lc rgb 'gray80'\nset xrange [0:155]\n"
       "set xlabel 'elevation of the humerus against the thorax, coronal plane [deg]'\n"
-      "set key top left\n";
+      "set key top left Left reverse\n";
   for (const auto& [name, source] :
        {std::pair{"inman", "Inman 1944"}, {"mcclure", "McClure 2001"}}) {
     script += fmt::format("${} << EOD\n{}EOD\n", name, published(rows, source));

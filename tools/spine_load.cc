@@ -1,7 +1,8 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "tools/spine_load.h"
 
-#include <algorithm>
+#include <cmath>
+#include <random>
 
 #include "model/body.h"
 
@@ -88,6 +89,31 @@ SpineLoad voluntaryLoad(const Anatomy& anatomy, Turn turn) {
     load[i].moment = moment * turnAxis(turn);
   }
   return load;
+}
+
+SpineLoad mixedLoad(const Anatomy& anatomy, const Vector3d& weights) {
+  const Vector3d w = weights.normalized();
+  const Turn turns[] = {w.x() > 0 ? Turn::kFlexion : Turn::kExtension, Turn::kLeftBending,
+                        Turn::kLeftRotation};
+  SpineLoad sum(anatomy.discs.size());
+  for (int k = 0; k < 3; k++) {
+    const SpineLoad load = voluntaryLoad(anatomy, turns[k]);
+    for (std::size_t i = 0; i < sum.size(); i++) {
+      sum[i].moment += (k == 0 ? std::abs(w[k]) : w[k]) * load[i].moment;
+      sum[i].follower += w[k] * w[k] * load[i].follower;
+    }
+  }
+  return sum;
+}
+
+std::vector<Vector3d> randomWeights(int count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<Vector3d> weights(count);
+  for (Vector3d& w : weights) {
+    for (int k = 0; k < 3; k++) w[k] = normal(random);
+  }
+  return weights;
 }
 
 }  // namespace torso::tools

@@ -35,4 +35,11 @@ SpineLoad standingLoad(const Anatomy& anatomy);
 // Neck, which has muscles of its own: the laboratory's moment, under the head's weight.
 SpineLoad voluntaryLoad(const Anatomy& anatomy, Turn turn);
 
+// A mixture of voluntary motions with these weights, taken to the length 1: flexion (below 0:
+// extension), bending to the left, rotation to the left; compressions with the weights' squares.
+SpineLoad mixedLoad(const Anatomy& anatomy, const Eigen::Vector3d& weights);
+
+// So many weights of random directions, the same for a seed.
+std::vector<Eigen::Vector3d> randomWeights(int count, unsigned seed);
+
 }  // namespace torso::tools

@@ -60,7 +60,7 @@ WholeSpine::WholeSpine(const Anatomy& whole, const Skeleton& skeleton, const Spi
     };
     const int lower = site("_lower"), upper = site("_upper");
     levels_.push_back(
-        {lower, upper, m_->site_bodyid[lower], m_->site_bodyid[upper], Matrix3d::Identity()});
+        {lower, upper, m_->site_bodyid[lower], m_->site_bodyid[upper], 0, Matrix3d::Identity()});
   }
 }
 
@@ -69,7 +69,7 @@ Matrix3d WholeSpine::relative(const Level& level) const {
          matrix3(d_->site_xmat + 9 * level.upper_site);
 }
 
-void WholeSpine::apply(const SpineLoad& start, const SpineLoad& end, double share) {
+void WholeSpine::apply(const SpineLoad& end, double share) {
   mjData* d = d_.get();
   const auto add = [&](int body, const Vector3d& force, const Vector3d& moment) {
     mju_addTo3(d->xfrc_applied + 6 * body, force.data());
@@ -78,10 +78,11 @@ void WholeSpine::apply(const SpineLoad& start, const SpineLoad& end, double shar
   mju_zero(d->xfrc_applied, 6 * m_->nbody);
   for (std::size_t i = 0; i < levels_.size(); i++) {
     const Level& level = levels_[i];
-    const Vector3d moment = (1 - share) * start[i].moment + share * end[i].moment;
-    const double follower = (1 - share) * start[i].follower + share * end[i].follower;
+    const Vector3d moment = (1 - share) * start_load_[i].moment + share * end[i].moment;
+    const double follower = (1 - share) * start_load_[i].follower + share * end[i].follower;
     // At one point, along the mean of the two bones' axes: a force that turns neither.
-    const Vector3d point = vector3(d->site_xpos + 3 * level.upper_site);
+    const Vector3d point = vector3(d->site_xpos + 3 * level.upper_site) +
+                           level.path * matrix3(d->site_xmat + 9 * level.upper_site).col(0);
     const Vector3d axis = matrix3(d->site_xmat + 9 * level.lower_site).col(2) +
                           matrix3(d->site_xmat + 9 * level.upper_site).col(2);
     const Vector3d force = -follower * axis.normalized();
@@ -91,13 +92,13 @@ void WholeSpine::apply(const SpineLoad& start, const SpineLoad& end, double shar
   }
 }
 
-void WholeSpine::settle(const SpineLoad& start, const SpineLoad& end, double share) {
+void WholeSpine::settle(const SpineLoad& end, double share) {
   mjModel* m = m_.get();
   mjData* d = d_.get();
   const int hold = static_cast<int>(std::ceil(kHold / m->opt.timestep));
   for (double time = 0; time < kLongestHold; time += kHold) {
     for (int i = 0; i < hold; i++) {
-      apply(start, end, share);
+      apply(end, share);
       mj_step(m, d);
     }
     double speed = 0;
@@ -106,6 +107,36 @@ void WholeSpine::settle(const SpineLoad& start, const SpineLoad& end, double sha
   }
   const std::string warning = firstWarning(d);
   if (!warning.empty()) throw Error(fmt::format("whole spine: {}", warning));
+}
+
+void WholeSpine::stand(const SpineLoad& load) {
+  // Each round moves the paths by what would hold a level of this stiffness, softer than any, where
+  // the compression has turned it.
+  constexpr double kLevelTurns = 0.1 * EIGEN_PI / 180, kStiffness = 15;  // [rad], [Nm/rad]
+  constexpr double kLeastForce = 150;  // [N], lest light loads have paths far away
+  constexpr int kLongestSearch = 10;
+  mj_resetData(m_.get(), d_.get());
+  mj_forward(m_.get(), d_.get());
+  start_load_ = load;
+  for (Level& level : levels_) {
+    level.path = 0;
+    level.start = relative(level);
+  }
+  settle(load, 0);
+  for (int i = 0; i < kLongestSearch; i++) {
+    const SpinePose now = pose();
+    double largest = 0;
+    for (std::size_t k = 0; k < levels_.size(); k++) {
+      const double flexion = now.levels[k].y();
+      if (load[k].follower > 0) largest = std::max(largest, std::abs(flexion));
+      levels_[k].path -= kStiffness * flexion / std::max(load[k].follower, kLeastForce);
+    }
+    if (largest < kLevelTurns) break;
+    settle(load, 0);
+  }
+  for (Level& level : levels_) level.start = relative(level);
+  start_ = makeData(m_.get());
+  mj_copyData(start_.get(), m_.get(), d_.get());
 }
 
 SpinePose WholeSpine::pose() const {
@@ -123,16 +154,22 @@ SpinePose WholeSpine::pose() const {
   return pose;
 }
 
-std::vector<SpinePose> WholeSpine::load(const SpineLoad& start, const SpineLoad& end, int steps) {
-  mj_resetData(m_.get(), d_.get());
-  mj_forward(m_.get(), d_.get());
-  settle(start, end, 0);
-  for (Level& level : levels_) level.start = relative(level);
-  std::vector<SpinePose> poses;
+void WholeSpine::load(const SpineLoad& end, int steps,
+                      const std::function<bool(const SpinePose&, double)>& visit) {
+  mj_copyData(d_.get(), m_.get(), start_.get());
   for (int i = 1; i <= steps; i++) {
-    settle(start, end, static_cast<double>(i) / steps);
-    poses.push_back(pose());
+    const double share = static_cast<double>(i) / steps;
+    settle(end, share);
+    if (!visit(pose(), share)) return;
   }
+}
+
+std::vector<SpinePose> WholeSpine::load(const SpineLoad& end, int steps) {
+  std::vector<SpinePose> poses;
+  load(end, steps, [&](const SpinePose& pose, double) {
+    poses.push_back(pose);
+    return true;
+  });
   return poses;
 }
 

@@ -1,0 +1,81 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tools/ablation.h"
+#include "tools/bone_files.h"
+#include "tools/whole_spine_rom.h"
+
+namespace torso::tools {
+namespace {
+
+constexpr double kDegree = EIGEN_PI / 180;
+
+const Anatomy& anatomy() {
+  static const Anatomy a = Anatomy::load(TORSO_ANATOMY_DIR);
+  return a;
+}
+
+const Skeleton& skeleton() {
+  static const Skeleton s = readSkeleton(anatomy(), TORSO_MJCF "/assets", spineBodies(anatomy()));
+  return s;
+}
+
+// The weight above L5/S1 is that of the body without pelvis and legs, and less with each level.
+TEST(SpineLoad, WeightAboveIsTheBodysLessLegsAndPelvis) {
+  double legs = anatomy().segment("pelvis").mass;
+  for (const char* name : {"thigh", "shin", "foot"}) legs += 2 * anatomy().segment(name).mass;
+  const std::vector<WeightAbove> above = weightAbove(anatomy());
+  // L5 itself lies on the disc.
+  EXPECT_NEAR(above.front().force, 9.81 * (anatomy().mass() - legs), 25);
+  for (std::size_t i = 1; i < above.size(); i++) {
+    EXPECT_LT(above[i].force, above[i - 1].force);
+    EXPECT_LT(above[i].moment, above[i - 1].moment);
+  }
+}
+
+// The path of the follower load lies where compression alone bends nothing.
+TEST(WholeSpine, FollowerLoadDoesNotBendTheSpine) {
+  WholeSpine spine(anatomy(), skeleton());
+  spine.stand(standingLoad(anatomy()));
+  double sum = 0;
+  for (const auto& level : spine.load(standingLoad(anatomy()), 1).back().levels) {
+    EXPECT_LT(level.norm(), 0.5 * kDegree);
+    sum += level.y();
+  }
+  EXPECT_NEAR(sum, 0, 2 * kDegree);
+}
+
+// Bending to the right is the mirror image of bending to the left, and the same again.
+TEST(WholeSpine, BendsAlikeToBothSidesWithoutTheRibCageFurther) {
+  const auto bend = [](WholeSpine& spine, double side) {
+    SpineLoad load = laboratoryLoad(anatomy(), side * turnAxis(Turn::kLeftBending));
+    double thorax = 0;
+    const SpinePose end = spine.load(load, 1).back();
+    for (int i = 5; i <= 16; i++) thorax += side * end.levels[i].dot(turnAxis(Turn::kLeftBending));
+    return thorax;
+  };
+  WholeSpine whole(anatomy(), skeleton());
+  whole.stand(laboratoryLoad(anatomy(), Eigen::Vector3d::Zero()));
+  const double left = bend(whole, 1);
+  EXPECT_NEAR(bend(whole, -1), left, 0.02 * left);
+  SpineParts parts;
+  parts.ribcage = false;
+  WholeSpine without(anatomy(), skeleton(), parts);
+  without.stand(laboratoryLoad(anatomy(), Eigen::Vector3d::Zero()));
+  // Published: 35 to 64 % (region_motion.csv).
+  EXPECT_GT(bend(without, 1), 1.3 * left);
+  EXPECT_LT(bend(without, 1), 1.8 * left);
+}
+
+TEST(ForwardBend, TellsHowManyLevelsShareIt) {
+  const ForwardBend even = {{1, 1, 1, 1}, 0}, uneven = {{0.5, 6, 1, 0.5}, 0};
+  EXPECT_DOUBLE_EQ(even.largestShare(), 0.25);
+  EXPECT_EQ(even.levelsForHalf(), 2);
+  EXPECT_DOUBLE_EQ(uneven.largestShare(), 0.75);
+  EXPECT_EQ(uneven.levelsForHalf(), 1);
+}
+
+}  // namespace
+}  // namespace torso::tools
