@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   addShoulder(app);
   addView(app);
   addRender(app);
+  addRetrofit(app);
   addBench(app);
   addBones(app);
   addTimestep(app);
