@@ -320,6 +320,9 @@ class SceneReader {
 
 std::vector<Clip> parseWithAssimp(const std::string& content, const std::string& path) {
   Assimp::Importer importer;
+  // assimp 5.2 keeps the nodes of an FBX joint's pivots, but puts the whole of the joint's motion,
+  // pivots included, on the last of them: both together would turn it twice.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
   // Points and lines without a mesh are no reason to refuse a skeleton.
   const std::string ext = fs::path(path).extension().string();
   std::error_code error;
