@@ -159,6 +159,37 @@ void findUnit(const Anatomy& tables, const Clip& clip, double body_ratio, Perfor
       tables.stature(), p.unit));
 }
 
+// Where the shoulders of the standing pose would be with hanging arms: as they are to the chest in
+// the frames in which the arms hang.
+std::array<Vector3d, 2> hangingShoulders(const Clip& clip, const Roles& r, const Performer& p,
+                                         const Place& standing) {
+  std::array<Vector3d, 2> shoulders = {standing(r.upper_arm[0]), standing(r.upper_arm[1])};
+  if (r.lower_arm[0] < 0 || r.clavicle[0].empty()) return shoulders;  // they are fixed to the chest
+  const Vector3d up = 0.5 * (shoulders[0] + shoulders[1]) -
+                      (r.hasLegs() ? mid(standing, r.thigh) : standing(r.hips));
+  constexpr double kHanging = 40;  // [deg] against the trunk
+  for (int k = 0; k < 2; k++) {
+    if (angle(standing(r.lower_arm[k]) - shoulders[k], -up) < kHanging) return shoulders;
+  }
+  const Isometry3d& chest = standingPose(clip, p, r.chest());
+  const Vector3d local_up = chest.linear().transpose() * up;
+  for (int k = 0; k < 2; k++) {
+    Vector3d sum = Vector3d::Zero();
+    size_t count = 0;
+    for (size_t f = 0; f < clip.frames(); f++) {
+      const Isometry3d inverse = clip.pose(f, r.chest()).inverse();
+      const Vector3d shoulder = inverse * clip.pose(f, r.upper_arm[k]).translation();
+      const Vector3d elbow = inverse * clip.pose(f, r.lower_arm[k]).translation();
+      if (angle(elbow - shoulder, -local_up) > kHanging) continue;
+      sum += shoulder;
+      count++;
+    }
+    if (count == 0) return shoulders;
+    shoulders[k] = chest * (sum / (static_cast<double>(count) * p.standing_size)).eval();
+  }
+  return shoulders;
+}
+
 }  // namespace
 
 Performer measurePerformer(const Anatomy& tables, const Clip& clip, const Roles& r) {
@@ -170,7 +201,7 @@ Performer measurePerformer(const Anatomy& tables, const Clip& clip, const Roles&
   const double rest_leaning = leaning(r, rest);
   p.stands = rest_leaning < 35;
   if (!p.stands) {
-    double least = 30;
+    double least = 60;
     for (size_t f = 0; f < clip.frames(); f += 1 + clip.frames() / 500) {
       const double lean = leaning(r, [&](int j) { return tree.position(f, j); });
       if (lean >= least) continue;
@@ -218,13 +249,20 @@ Performer measurePerformer(const Anatomy& tables, const Clip& clip, const Roles&
   const Place standing = [&](int j) {
     return p.standing_frame < 0 ? rest(j) : tree.position(static_cast<size_t>(p.standing_frame), j);
   };
+  // The rest pose may be in another unit than the frames.
+  const auto& bone = r.hasLegs() ? std::pair(r.thigh, r.shin) : std::pair(r.upper_arm, r.lower_arm);
+  const double then = (standing(bone.second[0]) - standing(bone.first[0])).norm() +
+                      (standing(bone.second[1]) - standing(bone.first[1])).norm();
+  const double now = 2 * theirs[r.hasLegs() ? 2 : 0];
+  if (then > 0 && now > 0) p.standing_size = now / then;
   double limbs = 0, our_limbs = 0;
   for (int k = 0; k < 4; k++) {
     if (theirs[k] > 0) limbs += theirs[k], our_limbs += ours[k];
   }
   double torso = 0, our_torso = 0;
   if (r.hasArms()) {
-    const Vector3d shoulder = mid(standing, r.upper_arm);
+    p.hanging_shoulders = hangingShoulders(clip, r, p, standing);
+    const Vector3d shoulder = 0.5 * (p.hanging_shoulders[0] + p.hanging_shoulders[1]);
     const Vector3d hip = r.hasLegs() ? mid(standing, r.thigh) : standing(r.hips);
     const auto middle = [&](const char* landmark) {
       Vector3d x = tables.landmark(landmark);
@@ -235,13 +273,7 @@ Performer measurePerformer(const Anatomy& tables, const Clip& clip, const Roles&
     our_torso = (middle("glenohumeral_centre_GH") -
                  (r.hasLegs() ? middle("hip_joint_centre") : Vector3d::Zero()))
                     .norm();
-    // The rest pose may be in another unit than the frames.
-    const auto& bone =
-        r.hasLegs() ? std::pair(r.thigh, r.shin) : std::pair(r.upper_arm, r.lower_arm);
-    const double then = (standing(bone.second[0]) - standing(bone.first[0])).norm() +
-                        (standing(bone.second[1]) - standing(bone.first[1])).norm();
-    const double now = 2 * theirs[r.hasLegs() ? 2 : 0];
-    if (then > 0 && now > 0) torso *= now / then;
+    torso *= p.standing_size;
   }
   if (!(torso > 0 && std::isfinite(torso))) {
     if (r.hasArms() && r.hasLegs()) {

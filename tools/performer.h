@@ -5,6 +5,7 @@
 // size.
 
 #include <Eigen/Core>
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -19,9 +20,13 @@ struct Performer {
   double unit;           // of the file [m]
   Eigen::Matrix3d axes;  // from the file's axes to ours, z up
   // A pose in which the person stands about upright: the rest pose, or a frame of the clip.
-  bool stands = false;      // false: none was found, and the rest pose is taken for one
-  int standing_frame = -1;  // -1: the rest pose
-  double torso_scale;       // of trunk, head and shoulders to the tables'
+  bool stands = false;       // false: none was found, and the rest pose is taken for one
+  int standing_frame = -1;   // -1: the rest pose
+  double standing_size = 1;  // lengths in the frames to those in that pose
+  // Of that pose, in the file's axes and unit: upper arms' joints left and right, where they would
+  // be if the arms hung. Rigs raise the shoulders with the arms, and many stand with raised arms.
+  std::array<Eigen::Vector3d, 2> hanging_shoulders{};
+  double torso_scale;                        // of trunk, head and shoulders to the tables'
   std::map<std::string, double> limb_scale;  // on top of it, by segment, as withLimbs takes them
   Anatomy anatomy;                           // our body of that size
   std::vector<std::string> notes;            // what was assumed, for the user

@@ -50,7 +50,7 @@ struct Retargeted {
 };
 
 // Damped least squares over the temporary skeleton, frame by frame from the last one, until steps
-// are below 1e-6 rad. Errors and flags of the motion are against the targets.
+// are below 1e-5 rad. Errors and flags of the motion are against the targets.
 Retargeted solveMotion(const Targets& targets, const Performer& performer, const std::string& name,
                        double rate);
 

@@ -36,7 +36,11 @@ constexpr double kLimitSigma = 2 * kDegree;     // beyond the limits below
 constexpr double kTrunkLimit = 80 * kDegree, kGirdleLimit = 50 * kDegree;
 
 constexpr int kMaxIterations = 60;
-constexpr double kStep = 1e-6;  // [rad], [m]
+constexpr double kStep = 1e-5;        // [rad], [m]
+constexpr double kLongestStep = 0.5;  // so that a far start finds its way [rad], [m]
+
+// A target missed by ten times its sigma.
+constexpr double kLostCost = 100;
 
 // A frame is flagged where a held bone misses its target by more than the goal's 95th percentile.
 constexpr double kFlagPosition = 0.010, kFlagRotation = 3 * kDegree;
@@ -79,6 +83,9 @@ class Solver {
     for (const char* name : {"lumbar", "thoracic", "cervical", "head"}) {
       posture_.push_back({id(mjOBJ_JOINT, name), kTrunkSigma, kTrunkLimit});
     }
+    for (const char* name : {"back_length", "neck_length"}) {
+      slides_.push_back(id(mjOBJ_JOINT, name));
+    }
     for (const char* name : {"left_sternoclavicular", "left_acromioclavicular",
                              "right_sternoclavicular", "right_acromioclavicular"}) {
       posture_.push_back({id(mjOBJ_JOINT, name), kGirdleSigma, kGirdleLimit});
@@ -99,11 +106,10 @@ class Solver {
     out.motion.name = name;
     out.motion.rate = rate;
     out.motion.bodies = heldBodies();
-    start();
     for (size_t f = 0; f < t_.frames; f++) {
-      int iterations = 0;
-      while (iterations < kMaxIterations && step(f) > kStep) iterations++;
-      kinematics();
+      if (f == 0) start(f);
+      const double cost = solveFrame(f);
+      if (f > 0 && cost > kLostCost) restart(f, cost);
       record(f, out);
     }
     return out;
@@ -129,33 +135,44 @@ class Solver {
     mj_comPos(m_, d_);
   }
 
-  // At rest, with the pelvis in place, limbs as the targets have them.
-  void start() {
+  // Pelvis in place, the trunk's turn shared by its joints, limbs as the targets have them.
+  void start(size_t f) {
     mju_copy(d_->qpos, m_->qpos0, m_->nq);
-    const Isometry3d& X = target(0, kPelvis);
-    const Quaterniond q(X.linear());
+    const Isometry3d& X = target(f, kPelvis);
+    setTurn(d_->qpos + 3, Quaterniond(X.linear()));
     for (int k = 0; k < 3; k++) d_->qpos[k] = X.translation()[k];
-    d_->qpos[3] = q.w(), d_->qpos[4] = q.x(), d_->qpos[5] = q.y(), d_->qpos[6] = q.z();
-    // The trunk first: it is far from its targets only in the clip's first frame.
-    kinematics();
+    Quaterniond chest(X.linear());
+    if (t_.has_chest) {
+      const Quaterniond all = chest.conjugate() * t_.chest[f];
+      const Quaterniond half = Quaterniond::Identity().slerp(0.5, all);
+      for (int k = 0; k < 2; k++) setTurn(qposOf(posture_[k].joint), half);
+      chest = t_.chest[f];
+    }
+    if (t_.has[kHead]) {
+      const Quaterniond all = chest.conjugate() * Quaterniond(target(f, kHead).linear());
+      setTurn(qposOf(posture_[2].joint), Quaterniond::Identity().slerp(0.5, all));
+    }
     for (size_t b = 0; b < bodies_.size(); b++) {
       if (b == kPelvis || !t_.has[b]) continue;
-      const int body = bodies_[b], joint = m_->body_jntadr[body];
-      const Quaterniond parent = turn(m_->body_parentid[body]);
-      const Quaterniond local =
-          parent.conjugate() * Quaterniond(target(0, static_cast<int>(b)).linear());
-      const mjtNum* fixed = m_->body_quat + 4 * body;
-      const Quaterniond joint_turn =
-          Quaterniond(fixed[0], fixed[1], fixed[2], fixed[3]).conjugate() * local;
-      mjtNum* to = d_->qpos + m_->jnt_qposadr[joint];
-      to[0] = joint_turn.w(), to[1] = joint_turn.x(), to[2] = joint_turn.y(),
-      to[3] = joint_turn.z();
       kinematics();
+      const int body = bodies_[b];
+      const mjtNum* fixed = m_->body_quat + 4 * body;
+      const Quaterniond at_rest =
+          turn(m_->body_parentid[body]) * Quaterniond(fixed[0], fixed[1], fixed[2], fixed[3]);
+      const int joint = m_->body_jntadr[body] + m_->body_jntnum[body] - 1;
+      setTurn(qposOf(joint),
+              at_rest.conjugate() * Quaterniond(target(f, static_cast<int>(b)).linear()));
     }
   }
+  mjtNum* qposOf(int joint) { return d_->qpos + m_->jnt_qposadr[joint]; }
+  static void setTurn(mjtNum* to, const Quaterniond& q) {
+    to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
+  }
 
-  // Adds |residual|^2 / sigma^2, residual + J dq, to the normal equations.
+  // Adds |residual|^2 weight to the cost and, with residual + J dq, to the normal equations.
   void add(const RowJacobian& J, const Vector3d& residual, double weight) {
+    cost_ += weight * residual.squaredNorm();
+    if (!derive_) return;
     // Only the columns of the body's own chain are not zero.
     columns_.clear();
     for (int c = 0; c < m_->nv; c++) {
@@ -172,19 +189,24 @@ class Solver {
 
   void addPosition(size_t f, int held, double weight) {
     const int body = bodies_[held];
-    mj_jacBody(m_, d_, jacp_.data(), nullptr, body);
+    if (derive_) mj_jacBody(m_, d_, jacp_.data(), nullptr, body);
     add(jacp_, place(body) - target(f, held).translation(), weight);
   }
   void addRotation(const Quaterniond& goal, int body, double weight) {
-    mj_jacBody(m_, d_, nullptr, jacr_.data(), body);
+    if (derive_) mj_jacBody(m_, d_, nullptr, jacr_.data(), body);
     add(jacr_, rotationVector(turn(body) * goal.conjugate()), weight);
   }
 
-  // One step of damped least squares; returns its largest part.
-  double step(size_t f) {
-    kinematics();
-    H_.setZero();
-    g_.setZero();
+  // The cost in the state of d_, with the normal equations if asked.
+  double evaluate(size_t f, bool derive) {
+    derive_ = derive;
+    cost_ = 0;
+    mj_kinematics(m_, d_);
+    if (derive) {
+      mj_comPos(m_, d_);
+      H_.setZero();
+      g_.setZero();
+    }
     const double place = 1 / (kPositionSigma * kPositionSigma);
     const double turn_weight = 1 / (kRotationSigma * kRotationSigma);
     addPosition(f, kPelvis, place);
@@ -202,16 +224,62 @@ class Solver {
     }
     if (t_.has_chest) addRotation(t_.chest[f], ribcage_, 1 / (kChestSigma * kChestSigma));
     for (const Posture& p : posture_) addPosture(p);
-    // Damping: far below the softest of the above.
-    H_.diagonal().array() += 1e-3;
-    const VectorXd dq = H_.selfadjointView<Eigen::Lower>().llt().solve(g_);
-    const double largest = dq.cwiseAbs().maxCoeff();
-    if (!std::isfinite(largest)) throw Error("inverse kinematics failed");
-    // Half a radian at most, so that a far start finds its way.
-    const double share = std::min(1.0, 0.5 / largest);
-    const VectorXd move = share * dq;
-    mj_integratePos(m_, d_->qpos, move.data(), 1);
-    return largest;
+    for (int joint : slides_) addSlide(joint);
+    return cost_;
+  }
+
+  // From the last frame's pose the way may lead to a trunk that is wound up: where the targets are
+  // missed, a start from nothing is tried too.
+  void restart(size_t f, double cost) {
+    const std::vector<mjtNum> qpos(d_->qpos, d_->qpos + m_->nq);
+    start(f);
+    if (solveFrame(f) < 0.5 * cost) return;
+    mju_copy(d_->qpos, qpos.data(), m_->nq);
+    kinematics();
+  }
+
+  // Levenberg-Marquardt until steps are small. Returns the cost.
+  double solveFrame(size_t f) {
+    double damping = 1e-3;
+    double cost = evaluate(f, true);
+    std::vector<mjtNum> qpos(d_->qpos, d_->qpos + m_->nq);
+    for (int k = 0; k < kMaxIterations; k++) {
+      MatrixXd damped = H_;
+      damped.diagonal().array() += damping;
+      const VectorXd dq = damped.selfadjointView<Eigen::Lower>().llt().solve(g_);
+      const double largest = dq.cwiseAbs().maxCoeff();
+      if (!std::isfinite(largest)) throw Error("inverse kinematics failed");
+      const VectorXd move = std::min(1.0, kLongestStep / largest) * dq;
+      mj_integratePos(m_, d_->qpos, move.data(), 1);
+      const double next = evaluate(f, false);
+      if (next > cost * (1 + 1e-9)) {
+        mju_copy(d_->qpos, qpos.data(), m_->nq);
+        if (largest < kStep || damping > 1e8) break;
+        damping *= 10;
+        continue;
+      }
+      damping = std::max(1e-3, damping / 10);
+      qpos.assign(d_->qpos, d_->qpos + m_->nq);
+      if (largest < kStep) break;
+      cost = evaluate(f, true);
+    }
+    cost = evaluate(f, false);
+    kinematics();
+    return cost;
+  }
+
+  // Within the range as soft as a turn of a ball joint by kTrunkSigma, beyond it hard.
+  void addSlide(int joint) {
+    const double x = d_->qpos[m_->jnt_qposadr[joint]], most = m_->jnt_range[2 * joint + 1];
+    const int dof = m_->jnt_dofadr[joint];
+    const auto addTerm = [&](double residual, double sigma) {
+      cost_ += residual * residual / (sigma * sigma);
+      if (!derive_) return;
+      H_(dof, dof) += 1 / (sigma * sigma);
+      g_[dof] -= residual / (sigma * sigma);
+    };
+    addTerm(x, most);
+    if (std::abs(x) > most) addTerm(x - std::copysign(most, x), kContactSigma);
   }
 
   void addPosture(const Posture& p) {
@@ -221,6 +289,8 @@ class Solver {
     const int dof = m_->jnt_dofadr[p.joint];
     const auto addRows = [&](const Vector3d& residual, const Matrix3d& rows, double sigma) {
       const double weight = 1 / (sigma * sigma);
+      cost_ += weight * residual.squaredNorm();
+      if (!derive_) return;
       H_.block<3, 3>(dof, dof) += weight * rows.transpose() * rows;
       g_.segment<3>(dof) -= weight * rows.transpose() * residual;
     };
@@ -275,10 +345,13 @@ class Solver {
   std::vector<int> bodies_;  // MuJoCo's ids, by heldBodies()
   int ribcage_;
   std::vector<Posture> posture_;
+  std::vector<int> slides_;
   MatrixXd H_;
   VectorXd g_;
   RowJacobian jacp_, jacr_;
   std::vector<int> columns_;
+  double cost_ = 0;
+  bool derive_ = true;
 };
 
 }  // namespace

@@ -76,8 +76,7 @@ class TargetMaker {
   const Performer& p_;
   const Anatomy& a_;
   Targets t_;
-  Matrix3d standing_;         // axes of the person in the standing pose, as our body's at rest
-  double standing_size_ = 1;  // of lengths in the frames to those of the standing pose
+  Matrix3d standing_;  // axes of the person in the standing pose, as our body's at rest
 };
 
 void TargetMaker::findStandingAxes() {
@@ -104,12 +103,6 @@ void TargetMaker::findStandingAxes() {
     shoulder = {hip[0] + up, hip[1] + up};
   }
   standing_ = trunkAxes(hip, shoulder) * trunkAxes(our_hip, our_shoulder).transpose();
-  // A bind pose may be in another unit than the frames.
-  const auto& [from, to] =
-      r_.hasLegs() ? std::pair(r_.thigh, r_.shin) : std::pair(r_.upper_arm, r_.lower_arm);
-  const double then = (standingAt(to[0]) - standingAt(from[0])).norm();
-  const double now = (at(0, to[0]) - at(0, from[0])).norm();
-  if (then > 0 && now > 0) standing_size_ = now / then;
 }
 
 void TargetMaker::placePelvis() {
@@ -138,10 +131,9 @@ void TargetMaker::placeShouldersAndHead() {
       r_.hasLegs()
           ? Vector3d(0.5 * (landmark("hip_joint_centre", 0) + landmark("hip_joint_centre", 1)))
           : rest(kPelvis);
-  // From the clip's joint to our point in standing, in world axes.
-  const auto offset = [&](int joint, const Vector3d& ours) {
-    return Vector3d(standing_ * (ours - our_origin) -
-                    standing_size_ * (standingAt(joint) - origin));
+  // From the clip's point to ours in standing, in world axes.
+  const auto offset = [&](const Vector3d& theirs, const Vector3d& ours) {
+    return Vector3d(standing_ * (ours - our_origin) - p_.standing_size * (theirs - origin));
   };
   t_.has_chest = r_.hasArms();
   const Matrix3d C = standingTurn(chest).transpose() * standing_;
@@ -151,19 +143,22 @@ void TargetMaker::placeShouldersAndHead() {
   for (int k = 0; k < 2 && r_.hasArms(); k++) {
     const int joint = r_.upper_arm[k];
     const Vector3d local =
-        standingTurn(chest).transpose() * offset(joint, landmark("glenohumeral_centre_GH", k));
+        standingTurn(chest).transpose() * offset(p_.unit * (p_.axes * p_.hanging_shoulders[k]),
+                                                 landmark("glenohumeral_centre_GH", k));
     for (size_t f = 0; f < t_.frames; f++) {
       pose(f, heldBody(k, kUpperArm)).translation() = at(f, joint) + turn(f, chest) * local;
     }
   }
   if (r_.head < 0) return;
   t_.has[kHead] = true;
-  const Vector3d local = standingTurn(r_.head).transpose() * offset(r_.head, rest(kHead));
+  // The pivot of the head keeps its place on the neck.
+  const int neck = r_.neck.empty() ? chest : r_.neck.back();
+  const Vector3d local = standingTurn(neck).transpose() * offset(standingAt(r_.head), rest(kHead));
   const Matrix3d H = standingTurn(r_.head).transpose() * standing_;
   for (size_t f = 0; f < t_.frames; f++) {
     Isometry3d& X = pose(f, kHead);
     X.linear() = turn(f, r_.head) * H;
-    X.translation() = at(f, r_.head) + turn(f, r_.head) * local;
+    X.translation() = at(f, r_.head) + turn(f, neck) * local;
   }
 }
 

@@ -42,10 +42,13 @@ class SkeletonWriter {
     ball(abdomen, "lumbar", Vector3d::Zero());
     const Isometry3d cage = bodyFrame(a_, "ribcage");
     XMLElement* ribcage = body(abdomen, "abdomen", "ribcage", cage);
+    stretch(ribcage, "back_length", "L5", "T1");
     ball(ribcage, "thoracic", cage.inverse() * thoracic.translation());
     XMLElement* neck = body(ribcage, "ribcage", "neck", cervical);
     ball(neck, "cervical", Vector3d::Zero());
-    ball(body(neck, "neck", "head", bodyFrame(a_, "head")), "head", Vector3d::Zero());
+    XMLElement* head = body(neck, "neck", "head", bodyFrame(a_, "head"));
+    stretch(head, "neck_length", "T1", "C3");
+    ball(head, "head", Vector3d::Zero());
     for (const std::string side : {"left_", "right_"}) {
       limb(ribcage, "ribcage", side, {"clavicle", "scapula", "upper_arm", "lower_arm", "hand"});
       limb(pelvis, "pelvis", side, {"thigh", "shin", "foot"});
@@ -80,6 +83,27 @@ class SkeletonWriter {
 
   void ball(XMLElement* body, const std::string& name, const Vector3d& position) {
     Element(body, "joint").set("name", name).set("type", "ball").set("pos", position);
+  }
+
+  // How much longer the spine gets as its curves flatten: at most by what its way from vertebra to
+  // vertebra is longer than straight.
+  void stretch(XMLElement* body, const std::string& name, const std::string& from,
+               const std::string& to) {
+    double arc = 0;
+    const Vector3d first = a_.vertebra(from).position, last = a_.vertebra(to).position;
+    Vector3d before = first;
+    bool between = false;
+    for (const Vertebra& v : a_.vertebrae) {
+      if (between) arc += (v.position - before).norm();
+      before = v.position;
+      between = (between || v.name == from) && v.name != to;
+    }
+    const double most = arc - (last - first).norm();
+    Element(body, "joint")
+        .set("name", name)
+        .set("type", "slide")
+        .set("axis", Vector3d((last - first).normalized()))
+        .set("range", {-most, most});
   }
 
   void limb(XMLElement* parent, std::string parent_name, const std::string& side,
