@@ -240,11 +240,17 @@ void TargetMaker::placeLimb(int side, bool arm) {
   if (has_end) {
     const int joint = c.joint[2];
     if (arm) {
-      // On the mean of the clip, straight on the forearm; thumb and palm as there.
-      Eigen::Vector3d along = Vector3d::Zero(), across = Vector3d::Zero();
-      for (size_t f = 0; f < t_.frames; f += 1 + t_.frames / 2000) {
-        along += turn(f, joint).transpose() * (at(f, joint) - at(f, c.joint[1])).normalized();
-        across += turn(f, joint).transpose() * turn(f, c.joint[1]) * left[1];
+      // Straight on the forearm, the thumb in front, in a rest pose that stands; or else, for a
+      // hand may be anywhere in a single frame, as the forearm on the mean of the clip.
+      const Vector3d fore = standingAt(joint) - standingAt(c.joint[1]);
+      Vector3d along = standingTurn(joint).transpose() * fore;
+      Vector3d across = standingLeft(joint, fore);
+      if (!p_.stands || p_.standing_frame >= 0) {
+        along = across = Vector3d::Zero();
+        for (size_t f = 0; f < t_.frames; f += 1 + t_.frames / 2000) {
+          along += turn(f, joint).transpose() * (at(f, joint) - at(f, c.joint[1])).normalized();
+          across += turn(f, joint).transpose() * turn(f, c.joint[1]) * left[1];
+        }
       }
       end_turn = boneAxes(along, across) * axes[1].transpose();
     } else {

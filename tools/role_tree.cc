@@ -41,17 +41,23 @@ RoleTree::RoleTree(const Clip& c) : clip(c) {
   }
 }
 
+bool RoleTree::turns(int joint) const {
+  const int parent = clip.joints[joint].parent;
+  const auto turn = [&](size_t frame) {
+    return Eigen::Matrix3d(clip.pose(frame, parent).linear().transpose() *
+                           clip.pose(frame, joint).linear());
+  };
+  return parent < 0 || std::any_of(sample.begin(), sample.end(), [&](size_t f) {
+           return !turn(f).isApprox(turn(sample[0]), 1e-3);
+         });
+}
+
 bool RoleTree::isAppendage(int joint) const {
   const int parent = clip.joints[joint].parent;
-  if (parent < 0 || size[joint] > 2) return false;
-  for (size_t f : sample) {
-    const auto turn = [&](size_t frame) {
-      return clip.pose(frame, parent).linear().transpose() * clip.pose(frame, joint).linear();
-    };
-    if (!turn(f).isApprox(turn(sample[0]), 1e-3)) return false;
-  }
-  return std::any_of(children[parent].begin(), children[parent].end(),
-                     [&](int other) { return size[other] > size[joint]; });
+  if (parent < 0 || size[joint] > 2 || turns(joint)) return false;
+  return std::any_of(children[parent].begin(), children[parent].end(), [&](int other) {
+    return size[other] > size[joint] || (size[other] == size[joint] && turns(other));
+  });
 }
 
 bool RoleTree::isBelow(int joint, int ancestor) const {
