@@ -168,23 +168,29 @@ std::array<Vector3d, 2> hangingShoulders(const Clip& clip, const Roles& r, const
   const Vector3d up = 0.5 * (shoulders[0] + shoulders[1]) -
                       (r.hasLegs() ? mid(standing, r.thigh) : standing(r.hips));
   constexpr double kHanging = 40;  // [deg] against the trunk
-  for (int k = 0; k < 2; k++) {
-    if (angle(standing(r.lower_arm[k]) - shoulders[k], -up) < kHanging) return shoulders;
-  }
   const Isometry3d& chest = standingPose(clip, p, r.chest());
   const Vector3d local_up = chest.linear().transpose() * up;
   for (int k = 0; k < 2; k++) {
-    Vector3d sum = Vector3d::Zero();
-    size_t count = 0;
+    const double raised = angle(standing(r.lower_arm[k]) - shoulders[k], -up);
+    if (raised < kHanging) continue;
+    std::vector<std::pair<double, Vector3d>> places;  // how far raised, and where in the chest
+    double least = 180;
     for (size_t f = 0; f < clip.frames(); f++) {
       const Isometry3d inverse = clip.pose(f, r.chest()).inverse();
       const Vector3d shoulder = inverse * clip.pose(f, r.upper_arm[k]).translation();
       const Vector3d elbow = inverse * clip.pose(f, r.lower_arm[k]).translation();
-      if (angle(elbow - shoulder, -local_up) > kHanging) continue;
+      places.emplace_back(angle(elbow - shoulder, -local_up), shoulder);
+      least = std::min(least, places.back().first);
+    }
+    if (least > raised - 20) continue;
+    // Where arms never hang, the frames in which they hang most.
+    Vector3d sum = Vector3d::Zero();
+    size_t count = 0;
+    for (const auto& [degrees, shoulder] : places) {
+      if (degrees > std::max(kHanging, least + 10)) continue;
       sum += shoulder;
       count++;
     }
-    if (count == 0) return shoulders;
     shoulders[k] = chest * (sum / (static_cast<double>(count) * p.standing_size)).eval();
   }
   return shoulders;

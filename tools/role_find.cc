@@ -122,7 +122,9 @@ std::vector<BranchPair> RoleFinder::pairs() const {
         const bool alike = sideOf(name(a)) == 0 && sideOf(name(b)) == 0 &&
                            std::abs(ra - rb) < 0.1 * (ra + rb) &&
                            std::min(tree_.chain(a).size(), tree_.chain(b).size()) >= 3;
-        if (!(named && std::abs(ra - rb) < 0.35 * (ra + rb)) && !alike) continue;
+        // Ends of bones may be anywhere; words that say arm or leg on both sides weigh more.
+        const bool similar = std::abs(ra - rb) < 0.35 * (ra + rb) || words(a) * words(b) > 0;
+        if (!(named && similar) && !alike) continue;
         here.push_back({base, {a, b}, words(a) + words(b), std::min(ra, rb), named});
       }
     }

@@ -26,8 +26,9 @@ struct RoleTree {
     return clip.pose(frame, joint).translation();
   }
   bool isBelow(int joint, int ancestor) const;  // in its subtree, or itself
-  // Holds a mesh or is a helper: a joint or two that never turn, beside a sibling that carries
-  // more.
+  bool turns(int joint) const;                  // against its parent, in the sample
+  // Holds a mesh or is a helper: a joint or two that never turn, beside a sibling that carries more
+  // or turns.
   bool isAppendage(int joint) const;
   // From a joint along the longest way to an end, both included.
   std::vector<int> chain(int joint) const;
