@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "model/body.h"
 #include "tools/graft_host.h"
@@ -68,7 +69,11 @@ class TargetMaker {
   void placePelvis();
   void placeShouldersAndHead();
   void placeLimb(int side, bool arm);
-  Vector3d hingeOf(const LimbChain& chain, const Vector3d& standing_left, int side);
+  struct Hinge {
+    Vector3d upper = Vector3d::Zero(), lower = Vector3d::Zero();
+    Vector3d our_upper = Vector3d::Zero(), our_lower = Vector3d::Zero();
+  };
+  std::optional<Hinge> hingeOf(const LimbChain& chain, const std::array<Vector3d, 4>& ours) const;
   void restOnParent(size_t frame, int body, int parent);
 
   const Clip& w_;
@@ -87,20 +92,22 @@ void TargetMaker::findStandingAxes() {
   const auto& ours = [&](const char* name) {
     return std::array{landmark(name, 0), landmark(name, 1)};
   };
-  const std::array<Vector3d, 2> our_hip = ours("hip_joint_centre");
-  const std::array<Vector3d, 2> our_shoulder = ours("glenohumeral_centre_GH");
-  if (r_.hasLegs() && r_.hasArms()) {
-    both(r_.thigh, hip);
-    both(r_.upper_arm, shoulder);
-  } else if (r_.hasArms()) {
-    both(r_.upper_arm, shoulder);
-    const Vector3d down = standingAt(r_.hips) - 0.5 * (shoulder[0] + shoulder[1]);
-    hip = {shoulder[0] + down, shoulder[1] + down};
-  } else {
-    both(r_.thigh, hip);
-    const Vector3d up = r_.head >= 0 ? Vector3d(standingAt(r_.head) - 0.5 * (hip[0] + hip[1]))
-                                     : Vector3d(Vector3d::UnitZ());
-    shoulder = {hip[0] + up, hip[1] + up};
+  std::array<Vector3d, 2> our_hip = ours("hip_joint_centre");
+  std::array<Vector3d, 2> our_shoulder = ours("glenohumeral_centre_GH");
+  // What is missing is taken below or above what there is, in the clip and in our body.
+  const auto moved = [](const std::array<Vector3d, 2>& pair, const Vector3d& to) {
+    const Vector3d way = to - 0.5 * (pair[0] + pair[1]);
+    return std::array<Vector3d, 2>{pair[0] + way, pair[1] + way};
+  };
+  if (r_.hasLegs()) both(r_.thigh, hip);
+  if (r_.hasArms()) both(r_.upper_arm, shoulder);
+  if (!r_.hasLegs()) {
+    hip = moved(shoulder, standingAt(r_.hips));
+    our_hip = moved(our_shoulder, rest(kPelvis));
+  } else if (!r_.hasArms()) {
+    const bool head = r_.head >= 0;
+    shoulder = moved(hip, head ? standingAt(r_.head) : hip[0] + Vector3d::UnitZ());
+    our_shoulder = moved(our_hip, head ? rest(kHead) : our_hip[0] + Vector3d::UnitZ());
   }
   standing_ = trunkAxes(hip, shoulder) * trunkAxes(our_hip, our_shoulder).transpose();
 }
@@ -162,34 +169,48 @@ void TargetMaker::placeShouldersAndHead() {
   }
 }
 
-// The axis to the body's left about which the limb's middle joint bends, in the frame of the
-// clip's upper joint: knees bend backwards, elbows forwards. `standing_left` if it does not bend
-// enough to tell.
-Vector3d TargetMaker::hingeOf(const LimbChain& c, const Vector3d& standing_left, int side) {
+// The axis to the body's left about which a limb's middle joint bends, in the frames of its upper
+// and of its lower bone, in the clip and in our body: the normal of the plane of both bones (knees
+// bend backwards, elbows forwards), on the mean of the frames, the more the limb is bent. Ours is
+// bent by as much in each frame, for where bones do not lie in one plane (the elbow's carrying
+// angle) the normal depends on that. Nothing if the limb does not bend enough to tell.
+std::optional<TargetMaker::Hinge> TargetMaker::hingeOf(const LimbChain& c,
+                                                       const std::array<Vector3d, 4>& ours) const {
   const auto& [upper, lower, end, tip] = c.joint;
-  Vector3d sum = Vector3d::Zero();
+  const double sense = c.arm ? -1 : 1;
+  const Vector3d our_upper = (ours[1] - ours[0]).normalized(),
+                 our_lower = (ours[2] - ours[1]).normalized();
+  // Ours bent by an angle between its bones.
+  const auto bent = [&](double cosine) {
+    double low = 0, high = M_PI;
+    for (int k = 0; k < 25; k++) {
+      const double middle = (low + high) / 2;
+      const Vector3d s = Eigen::AngleAxisd(sense * middle, Vector3d::UnitY()) * our_lower;
+      (our_upper.dot(s) > cosine ? low : high) = middle;
+    }
+    return Eigen::AngleAxisd(sense * low, Vector3d::UnitY()).toRotationMatrix();
+  };
+  Hinge sum;
   double weight = 0;
   const size_t step = 1 + t_.frames / 2000;
   size_t count = 0;
   for (size_t f = 0; f < t_.frames; f += step, count++) {
     const Vector3d d = (at(f, lower) - at(f, upper)).normalized();
     const Vector3d s = (at(f, end) - at(f, lower)).normalized();
-    Vector3d left = c.arm ? s.cross(d) : d.cross(s);
-    if (!left.allFinite() || left.norm() < 0.1) continue;
-    left *= left.norm();  // a straight limb says little
-    sum += turn(f, upper).transpose() * left;
+    Vector3d left = sense * d.cross(s);
+    if (!left.allFinite() || left.norm() < 0.15) continue;
+    const double share = left.norm();  // a straight limb says little
+    left *= share;
+    sum.upper += turn(f, upper).transpose() * left;
+    sum.lower += turn(f, lower).transpose() * left;
+    const Matrix3d R = bent(d.dot(s));
+    const Vector3d our_left = sense * our_upper.cross(R * our_lower) * share;
+    sum.our_upper += our_left;
+    sum.our_lower += R.transpose() * our_left;
     weight += left.norm();
   }
-  const double agreement = weight > 0 ? sum.norm() / weight : 0;
-  if (weight < 0.02 * static_cast<double>(count) || agreement < 0.8) return standing_left;
-  const Vector3d hinge = sum.normalized();
-  const double apart = std::acos(std::clamp(hinge.dot(standing_left), -1.0, 1.0)) * 180 / M_PI;
-  if (p_.stands && apart > 60) {
-    t_.notes.push_back(
-        fmt::format("the {} {} bends {:.0f} degrees away from where it should by the standing pose",
-                    side ? "right" : "left", c.arm ? "elbow" : "knee", apart));
-  }
-  return hinge;
+  if (weight < 0.02 * static_cast<double>(count) || sum.upper.norm() < 0.8 * weight) return {};
+  return sum;
 }
 
 void TargetMaker::restOnParent(size_t frame, int body, int parent) {
@@ -221,18 +242,24 @@ void TargetMaker::placeLimb(int side, bool arm) {
   const bool has_lower = has_upper && c.joint[2] >= 0 && !w_.joints[c.joint[1]].end;
   if (has_upper) {
     left[0] = standingLeft(c.joint[0], standingAt(c.joint[1]) - standingAt(c.joint[0]));
-    if (has_lower) left[0] = hingeOf(c, left[0], side);
     t_.has[body[0]] = true;
   }
   if (has_lower) {
-    // The same axis in the lower bone, on the mean of the clip.
-    Vector3d sum = Vector3d::Zero();
-    const size_t step = 1 + t_.frames / 2000;
-    for (size_t f = 0; f < t_.frames; f += step) {
-      sum += turn(f, c.joint[1]).transpose() * turn(f, c.joint[0]) * left[0];
-    }
-    left[1] = sum.normalized();
     t_.has[body[1]] = true;
+    if (const std::optional<Hinge> hinge = hingeOf(c, ours)) {
+      const double apart = std::acos(std::clamp(hinge->upper.normalized().dot(left[0]), -1.0, 1.0));
+      if (p_.stands && apart > M_PI / 3) {
+        t_.notes.push_back(fmt::format(
+            "the {} {} bends {:.0f} degrees away from where it should by the standing pose",
+            side ? "right" : "left", arm ? "elbow" : "knee", apart * 180 / M_PI));
+      }
+      left[0] = hinge->upper;
+      left[1] = hinge->lower;
+      axes[0] = boneAxes(ours[1] - ours[0], hinge->our_upper);
+      axes[1] = boneAxes(ours[2] - ours[1], hinge->our_lower);
+    } else {
+      left[1] = standingLeft(c.joint[1], standingAt(c.joint[2]) - standingAt(c.joint[1]));
+    }
   }
   // Hands and feet turn as their joints do, from the standing pose.
   Matrix3d end_turn = Matrix3d::Identity();
@@ -245,14 +272,16 @@ void TargetMaker::placeLimb(int side, bool arm) {
       const Vector3d fore = standingAt(joint) - standingAt(c.joint[1]);
       Vector3d along = standingTurn(joint).transpose() * fore;
       Vector3d across = standingLeft(joint, fore);
+      Matrix3d forearm = boneAxes(ours[2] - ours[1], Vector3d::UnitY());
       if (!p_.stands || p_.standing_frame >= 0) {
         along = across = Vector3d::Zero();
+        forearm = axes[1];
         for (size_t f = 0; f < t_.frames; f += 1 + t_.frames / 2000) {
           along += turn(f, joint).transpose() * (at(f, joint) - at(f, c.joint[1])).normalized();
           across += turn(f, joint).transpose() * turn(f, c.joint[1]) * left[1];
         }
       }
-      end_turn = boneAxes(along, across) * axes[1].transpose();
+      end_turn = boneAxes(along, across) * forearm.transpose();
     } else {
       end_turn = footTurn(w_, joint, c.joint[3], standingTurn(joint).transpose() * standing_,
                           ours[3] - ours[2]);

@@ -119,9 +119,7 @@ std::vector<BranchPair> RoleFinder::pairs() const {
         const double ra = tree_.reach[a], rb = tree_.reach[b];
         const bool named = sideByName(name(a), name(b)) != 0 ||
                            (sideOf(name(a)) * sideOf(name(b)) == -1 && words(a) * words(b) >= 0);
-        const bool alike = sideOf(name(a)) == 0 && sideOf(name(b)) == 0 &&
-                           std::abs(ra - rb) < 0.1 * (ra + rb) &&
-                           std::min(tree_.chain(a).size(), tree_.chain(b).size()) >= 3;
+        const bool alike = sideOf(name(a)) == 0 && sideOf(name(b)) == 0 && tree_.areAlike(a, b);
         // Ends of bones may be anywhere; words that say arm or leg on both sides weigh more.
         const bool similar = std::abs(ra - rb) < 0.35 * (ra + rb) || words(a) * words(b) > 0;
         if (!(named && similar) && !alike) continue;

@@ -96,6 +96,16 @@ std::vector<int> RoleTree::below(int joint) const {
   return joints;
 }
 
+bool RoleTree::areAlike(int a, int b) const {
+  const std::vector<int> x = chain(a), y = chain(b);
+  if (std::min(x.size(), y.size()) < 3) return false;
+  double apart = 0;
+  for (size_t k = 0; k < std::max(x.size(), y.size()); k++) {
+    apart += std::abs((k < x.size() ? length[x[k]] : 0) - (k < y.size() ? length[y[k]] : 0));
+  }
+  return apart < 0.1 * (reach[a] + reach[b]) / 2;
+}
+
 LimbJoints limbJoints(const RoleTree& tree, const std::vector<int>& chain, bool leg) {
   const int n = static_cast<int>(chain.size());
   std::vector<double> along(n, 0);  // from the first joint

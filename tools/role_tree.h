@@ -35,6 +35,8 @@ struct RoleTree {
   // From a to b through their last common ancestor, both included; empty if they are in two trees.
   std::vector<int> way(int a, int b) const;
   std::vector<int> below(int joint) const;  // itself included
+  // Chains of the same bones: their lengths differ by less than a tenth of the whole.
+  bool areAlike(int a, int b) const;
 };
 
 // The joints of a limb.
