@@ -127,45 +127,92 @@ std::string motionCsv(const Retargeted& result) {
   return text;
 }
 
-void retrofit(const Options& options, const Anatomy& tables, Json& report) {
+// The directions of the limbs' long bones, ours against the clip's own joints: independent of how
+// the targets were made [deg].
+std::vector<double> directionErrors(const Clip& world, const Roles& roles,
+                                    const HeldMotion& motion) {
+  std::vector<double> errors;
+  const auto ours = [&](size_t f, int body) {
+    return Eigen::Vector3d(motion.positions[f * motion.bodies.size() + body].data());
+  };
+  const auto compare = [&](int side, LimbBody from, LimbBody to, int joint, int next) {
+    if (joint < 0 || next < 0) return;
+    for (size_t f = 0; f < motion.frames(); f++) {
+      const Eigen::Vector3d a = ours(f, heldBody(side, to)) - ours(f, heldBody(side, from));
+      const Eigen::Vector3d b =
+          world.pose(f, next).translation() - world.pose(f, joint).translation();
+      errors.push_back(std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI);
+    }
+  };
+  for (int k = 0; k < 2; k++) {
+    compare(k, kUpperArm, kLowerArm, roles.upper_arm[k], roles.lower_arm[k]);
+    compare(k, kLowerArm, kHand, roles.lower_arm[k], roles.hand[k]);
+    compare(k, kThigh, kShin, roles.thigh[k], roles.shin[k]);
+    compare(k, kShin, kFoot, roles.shin[k], roles.foot[k]);
+  }
+  return errors;
+}
+
+void retrofitPerson(const Options& options, const Anatomy& tables, const Clip& clip,
+                    const Roles& roles, const std::string& name, Json& report) {
+  const auto start = std::chrono::steady_clock::now();
+  const Performer performer = measurePerformer(tables, clip, roles);
+  const Clip world = inWorld(clip, performer);
+  const Targets targets = makeTargets(world, roles, performer);
+  const Retargeted result = solveMotion(targets, performer, name, clip.rate);
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+  Json line = describe(clip, performer, targets, result, roles, time.count());
+  const std::vector<double> directions = directionErrors(world, roles, result.motion);
+  if (!directions.empty()) {
+    line["limb_direction_error_deg"] = {{"median", percentile(directions, 0.5)},
+                                        {"p95", percentile(directions, 0.95)}};
+  }
+  if (!options.write_map.empty()) {
+    writeFile(options.write_map, writePartMap(mapOf(clip, roles), roleMapParts()));
+  }
+  if (!options.output.empty()) {
+    writeFiles(
+        {{options.output + "/" + name + "_temporary.xml",
+          temporarySkeletonMjcf(performer.anatomy, mjcfFolder() + "/assets", performer.limb_scale)},
+         {options.output + "/" + name + "_temporary.csv", motionCsv(result)}});
+  }
+  report.push_back(line);
+  if (options.json) return;
+  if (options.explain) explain(line);
+  print(line);
+}
+
+// Each person of each take; what fails does not stop the others. Returns how many went through.
+int retrofit(const Options& options, const Anatomy& tables, Json& report) {
   const PartMap map = options.map.empty() ? PartMap() : readPartMap(options.map, roleMapParts());
-  int failed = 0;
-  for (const std::string& path : options.clips) {
+  int done = 0;
+  const auto attempt = [&](const std::string& path, const auto& work) {
     try {
-      for (Clip& read : readClips(path)) {
-        const Clip clip = options.rate > 0 ? resampled(read, options.rate) : std::move(read);
-        const std::vector<Roles> persons = findRoles(clip, map);
-        for (size_t k = 0; k < persons.size(); k++) {
-          const auto start = std::chrono::steady_clock::now();
-          const Performer performer = measurePerformer(tables, clip, persons[k]);
-          const Clip world = inWorld(clip, performer);
-          const Targets targets = makeTargets(world, persons[k], performer);
-          const std::string name =
-              clip.name + (persons.size() > 1 ? fmt::format("_{}", k + 1) : "");
-          const Retargeted result = solveMotion(targets, performer, name, clip.rate);
-          const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
-          report.push_back(describe(clip, performer, targets, result, persons[k], time.count()));
-          if (!options.write_map.empty()) {
-            writeFile(options.write_map, writePartMap(mapOf(clip, persons[k]), roleMapParts()));
-          }
-          if (!options.output.empty()) {
-            writeFiles({{options.output + "/" + name + "_temporary.xml",
-                         temporarySkeletonMjcf(performer.anatomy, mjcfFolder() + "/assets",
-                                               performer.limb_scale)},
-                        {options.output + "/" + name + "_temporary.csv", motionCsv(result)}});
-          }
-          if (options.json) continue;
-          if (options.explain) explain(report.back());
-          print(report.back());
-        }
-      }
+      work();
     } catch (const Error& e) {
-      failed++;
       fmt::print(stderr, "torso retrofit: {}\n", e.what());
       report.push_back({{"file", path}, {"error", e.what()}});
     }
+  };
+  for (const std::string& path : options.clips) {
+    std::vector<Clip> takes;
+    attempt(path, [&] { takes = readClips(path); });
+    for (Clip& take : takes) {
+      attempt(path, [&] {
+        const Clip clip = options.rate > 0 ? resampled(take, options.rate) : std::move(take);
+        const std::vector<Roles> persons = findRoles(clip, map);
+        for (size_t k = 0; k < persons.size(); k++) {
+          const std::string name =
+              clip.name + (persons.size() > 1 ? fmt::format("_{}", k + 1) : "");
+          attempt(path, [&] {
+            retrofitPerson(options, tables, clip, persons[k], name, report);
+            done++;
+          });
+        }
+      });
+    }
   }
-  if (failed == static_cast<int>(options.clips.size())) throw Error("no clip could be used");
+  return done;
 }
 
 }  // namespace
@@ -204,8 +251,9 @@ void addRetrofit(CLI::App& app) {
                  "position [mm]", "rotation [deg]", "flagged", "time");
     }
     Json report = Json::array();
-    retrofit(*options, tables, report);
+    const int done = retrofit(*options, tables, report);
     if (options->json) std::cout << report.dump(2) << '\n';
+    if (done == 0) throw Error("no clip could be used");
   });
 }
 
