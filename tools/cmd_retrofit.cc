@@ -226,7 +226,7 @@ void addRetrofit(CLI::App& app) {
       "that\n"
       "cannot be used is reported and does not stop the others. Prints for each clip its frames\n"
       "and rate [Hz], how far held bones are from the clip's [mm, degrees; median and 95 % over\n"
-      "frames of the worst bone], frames flagged and seconds of work.\n\n"
+      "frames of the bone that is worst in each], frames flagged and seconds of work.\n\n"
       "Examples:\n"
       "  torso retrofit walk.bvh -o out\n"
       "  torso retrofit *.fbx --rate 30 -o out\n"

@@ -305,6 +305,11 @@ Performer measurePerformer(const Anatomy& tables, const Clip& clip, const Roles&
   p.limb_scale["hand"] = (p.limb_scale["upper_arm"] + p.limb_scale["lower_arm"]) / 2;
   p.limb_scale["foot"] = (p.limb_scale["thigh"] + p.limb_scale["shin"]) / 2;
   for (const auto& [segment, scale] : p.limb_scale) {
+    if (scale < 0.5 || scale > 1.6) {
+      p.notes.push_back(
+          fmt::format("odd proportions: a {} {:.2f} times as long as a person's with this trunk",
+                      segment, scale));
+    }
     if (scale > 0.15 && scale < 7) continue;
     throw Error(
         fmt::format("{}: a {} {:.2g} times as long as a person's with this trunk; check "
