@@ -176,8 +176,14 @@ void retrofitPerson(const Options& options, const Anatomy& tables, const Clip& c
           temporarySkeletonMjcf(performer.anatomy, mjcfFolder() + "/assets", performer.limb_scale)},
          {options.output + "/" + name + "_temporary.csv", motionCsv(result)}});
   }
+  const bool first = std::none_of(report.begin(), report.end(),
+                                  [](const Json& other) { return other.contains("clip"); });
   report.push_back(line);
   if (options.json) return;
+  if (first) {
+    fmt::print("{:<44} {:>6} {:>7} {:>17} {:>15} {:>7} {:>7}\n", "clip", "frames", "Hz",
+               "position [mm]", "rotation [deg]", "flagged", "time");
+  }
   if (options.explain) explain(line);
   print(line);
 }
@@ -246,10 +252,6 @@ void addRetrofit(CLI::App& app) {
     if (!options->output.empty()) checkFolder(options->output);
     const Anatomy tables =
         Anatomy::load(options->anatomy.empty() ? anatomyFolder() : options->anatomy);
-    if (!options->json) {
-      fmt::print("{:<44} {:>6} {:>7} {:>17} {:>15} {:>7} {:>7}\n", "clip", "frames", "Hz",
-                 "position [mm]", "rotation [deg]", "flagged", "time");
-    }
     Json report = Json::array();
     const int done = retrofit(*options, tables, report);
     if (options->json) std::cout << report.dump(2) << '\n';
