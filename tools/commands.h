@@ -18,6 +18,7 @@ void addIdentify(CLI::App& app);
 void addImportBones(CLI::App& app);
 void addInfo(CLI::App& app);
 void addRender(CLI::App& app);
+void addRetrofit(CLI::App& app);
 void addRom(CLI::App& app);
 void addRun(CLI::App& app);
 void addShoulder(CLI::App& app);

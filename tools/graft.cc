@@ -128,7 +128,7 @@ std::string Grafter::replacement(const std::string& body) const {
 
 void Grafter::writeMap() const {
   if (o_.write_map.empty()) return;
-  BodyMap map;
+  PartMap map;
   for (const RecognisedPart& p : parts_.recognised) {
     std::vector<std::string>& names = map.bodies[p.part];
     for (const std::string& name : p.bodies) {
@@ -137,7 +137,7 @@ void Grafter::writeMap() const {
     }
     if (names.empty() && !p.bodies.empty()) map.bodies.erase(p.part);
   }
-  writeFile(o_.write_map, writeBodyMap(map));
+  writeFile(o_.write_map, writePartMap(map, bodyMapParts()));
 }
 
 void Grafter::checkOutput() const {
@@ -158,7 +158,7 @@ GraftReport Grafter::run() {
   checkOutput();
   checkSettings();
   try {
-    parts_ = recognise(host_, o_.map.empty() ? BodyMap() : readBodyMap(o_.map));
+    parts_ = recognise(host_, o_.map.empty() ? PartMap() : readPartMap(o_.map, bodyMapParts()));
   } catch (const Error&) {
     if (torsoOf(host_.model.get(), o_.input).ntorso == 0) throw;
     fail("it has a torso of ours already, and no other humanoid");

@@ -40,27 +40,19 @@ void listBodies(tinyxml2::XMLElement* parent, std::vector<tinyxml2::XMLElement*>
 // Parts of the trunk that our torso replaces.
 enum class TrunkPart { kPelvis, kWaist, kChest, kNeck, kHead, kLeftClavicle, kRightClavicle };
 
-// What was recognised as a part, and how sure that is.
-struct RecognisedPart {
-  std::string part;                 // as in graft_map.h
-  std::vector<std::string> bodies;  // names; none: the humanoid has no such part
-  std::string sureness;             // "given" (by the map), "sure", "likely" or "unsure"
-  std::string reason;
-};
-
 struct HostParts {
   int root;                                      // child of the world, ancestor of all parts
   std::array<int, 2> thigh, upper_arm;           // left, right: kept with what hangs on them
   std::map<int, TrunkPart> trunk;                // all other bodies below root: removed
   std::array<Eigen::Vector3d, 2> hip, shoulder;  // joint centres in the world at qpos0 [m]
-  std::vector<RecognisedPart> recognised;        // one each of bodyMapParts()
+  std::vector<RecognisedPart> recognised;        // one each of bodyMapParts().names
 };
 
 // Recognises the parts that the map does not give: a pair of limbs is two children of one body that
 // mirror each other by name or by size; which are legs, and which side is left, follows from names,
 // or else from masses and from where the feet point. Throws Error that names the file, the part
 // that is missing and the map's entry that would give it.
-HostParts recognise(const Host& host, const BodyMap& map);
+HostParts recognise(const Host& host, const PartMap& map);
 
 // Axes of a standing trunk from its four joint centres: columns forward, left, up.
 Eigen::Matrix3d trunkAxes(const std::array<Eigen::Vector3d, 2>& hip,

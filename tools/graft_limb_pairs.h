@@ -4,11 +4,11 @@
 // Pairs of limbs in a tree of bodies, and what their names say.
 
 #include <array>
-#include <initializer_list>
 #include <string>
 #include <vector>
 
 #include "tools/graft_host.h"
+#include "tools/part_names.h"
 
 namespace torso::tools {
 
@@ -36,14 +36,6 @@ int limbStart(const Host& host, int body, bool arm);
 // left, false if the feet do; throws Error if neither does.
 bool orderSides(const Host& host, const LimbPair& legs, const LimbPair& arms, HostParts& parts);
 
-std::string lower(std::string text);
-
-// How many of the words are in a text.
-int countWords(const std::string& text, std::initializer_list<const char*> words);
-
 bool isClavicle(const std::string& name);
-
-// -1: a is on the left of b by their names ("l_leg", "r_leg"), 1: on the right, 0: they do not say.
-int sideByName(const std::string& a, const std::string& b);
 
 }  // namespace torso::tools

@@ -36,7 +36,7 @@ TrunkPart nearestEnd(TrunkPart part) {
 
 class Recogniser {
  public:
-  Recogniser(const Host& host, const BodyMap& map) : host_(host), map_(map), m_(host.model.get()) {}
+  Recogniser(const Host& host, const PartMap& map) : host_(host), map_(map), m_(host.model.get()) {}
   HostParts run();
 
  private:
@@ -56,7 +56,7 @@ class Recogniser {
   void report(HostParts& parts, int pelvis, int chest) const;
 
   const Host& host_;
-  const BodyMap& map_;
+  const PartMap& map_;
   const mjModel* m_;
   std::string leg_sureness_, leg_reason_, arm_sureness_, arm_reason_, head_sureness_, head_reason_;
 };
@@ -193,7 +193,7 @@ int Recogniser::commonAncestor(int a, int b) const {
 // The child of the world that holds the humanoid, and its pairs of limbs.
 void Recogniser::findRoot(HostParts& parts, std::vector<LimbPair>& pairs) const {
   parts.root = -1;
-  for (const std::string& part : bodyMapParts()) {
+  for (const std::string& part : bodyMapParts().names) {
     for (int b : given(part)) {
       while (m_->body_parentid[b] > 0) b = m_->body_parentid[b];
       if (parts.root < 0) parts.root = b;
@@ -389,6 +389,6 @@ HostParts Recogniser::run() {
 
 }  // namespace
 
-HostParts recognise(const Host& host, const BodyMap& map) { return Recogniser(host, map).run(); }
+HostParts recognise(const Host& host, const PartMap& map) { return Recogniser(host, map).run(); }
 
 }  // namespace torso::tools

@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   addView(app);
   addRender(app);
   addAblate(app);
+  addRetrofit(app);
   addBench(app);
   addBones(app);
   addTimestep(app);

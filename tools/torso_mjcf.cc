@@ -259,7 +259,9 @@ void Writer::writeAssets() {
       const std::string name = boneMeshName(body, tissue);
       Element mesh(asset, "mesh");
       mesh.set("name", named(name)).set("file", o_.mesh_dir + "/" + name + ".stl");
-      if (o_.mesh_scale != 1) mesh.set("scale", {o_.mesh_scale, o_.mesh_scale, o_.mesh_scale});
+      const auto limb = o_.limb_scale.find(splitSide(body).second);
+      const double scale = o_.mesh_scale * (limb == o_.limb_scale.end() ? 1 : limb->second);
+      if (scale != 1) mesh.set("scale", {scale, scale, scale});
     }
   }
   if (detailed()) {
