@@ -20,6 +20,7 @@ void addRender(CLI::App& app);
 void addRom(CLI::App& app);
 void addRun(CLI::App& app);
 void addTimestep(CLI::App& app);
+void addTruth(CLI::App& app);
 void addView(CLI::App& app);
 
 }  // namespace torso::tools

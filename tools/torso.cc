@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   addBench(app);
   addBones(app);
   addTimestep(app);
+  addTruth(app);
   addGraft(app);
   addDiscs(app);
   addCalibrateDiscs(app);

@@ -1,0 +1,59 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "tools/smoothness.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <unsupported/Eigen/FFT>
+
+namespace torso::tools {
+namespace {
+
+using Eigen::Vector3d;
+using Turns = std::vector<std::vector<Vector3d>>;
+
+// Power of the velocity from frequency 0 to half the rate.
+std::vector<double> velocityPower(const Turns& turns) {
+  const std::size_t n = turns.size() - 1;
+  std::vector<double> power(n / 2 + 1, 0);
+  Eigen::FFT<double> fft;
+  std::vector<double> velocity(n);
+  std::vector<std::complex<double>> spectrum;
+  for (std::size_t k = 0; k < turns[0].size(); k++) {
+    for (int axis = 0; axis < 3; axis++) {
+      for (std::size_t i = 0; i < n; i++) {
+        const double window = 0.5 - 0.5 * std::cos(2 * EIGEN_PI * (i + 0.5) / n);
+        velocity[i] = window * (turns[i + 1][k][axis] - turns[i][k][axis]);
+      }
+      fft.fwd(spectrum, velocity);
+      for (std::size_t i = 0; i < power.size(); i++) power[i] += std::norm(spectrum[i]);
+    }
+  }
+  return power;
+}
+
+double shareFrom(const std::vector<double>& power, std::size_t first) {
+  const double all = std::accumulate(power.begin(), power.end(), 0.0);
+  return all > 0 ? std::accumulate(power.begin() + first, power.end(), 0.0) / all : 0;
+}
+
+}  // namespace
+
+Smoothness smoothness(const Turns& input, const Turns& output, double rate) {
+  Smoothness result;
+  const std::vector<double> in = velocityPower(input), out = velocityPower(output);
+  std::size_t first = 0;
+  while (first < in.size() && shareFrom(in, first) > 0.01) first++;
+  result.band = first * rate / (input.size() - 1);
+  result.input_share = shareFrom(in, first);
+  result.output_share = shareFrom(out, std::min(first, out.size()));
+  for (std::size_t i = 2; i < output.size(); i++) {
+    for (std::size_t k = 0; k < output[i].size(); k++) {
+      const double jump = (output[i][k] - 2 * output[i - 1][k] + output[i - 2][k]).norm();
+      result.largest_jump = std::max(result.largest_jump, jump);
+    }
+  }
+  return result;
+}
+
+}  // namespace torso::tools
