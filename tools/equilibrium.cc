@@ -23,7 +23,12 @@ Isometry3d bodyPose(const mjData* d, int body) {
 }  // namespace
 
 Equilibrium::Equilibrium(const mjModel* m, const mjModel* human, double momentum)
-    : m_(m), d_(makeData(m)), rhythm_(m, human), momentum_(momentum), change_(m->nv) {
+    : m_(m),
+      d_(makeData(m)),
+      rhythm_(m, human),
+      load_(m, human),
+      momentum_(momentum),
+      change_(m->nv) {
   pelvis_ = mj_name2id(m, mjOBJ_BODY, "pelvis");
   for (const std::string bone : kHeldBones) {
     held_.push_back(mj_name2id(m, mjOBJ_BODY, bone.c_str()));
@@ -39,8 +44,9 @@ void Equilibrium::reset() {
   rest();
 }
 
-void Equilibrium::hold(const std::vector<Isometry3d>& poses) {
+void Equilibrium::hold(const std::vector<Isometry3d>& poses, const Vector3d& up) {
   const Isometry3d pelvis = bodyPose(d_.get(), pelvis_);
+  up_ = pelvis.linear() * up;
   for (std::size_t i = 0; i < poses.size(); i++) {
     const Isometry3d X = pelvis * poses[i];
     const Quaterniond q(X.linear());
@@ -60,6 +66,7 @@ double Equilibrium::step() {
   mj_integratePos(m_, d->qpos, change_.data(), h);
   mju_zero(d->qvel, m_->nv);
   rhythm_.apply(m_, d);
+  load_.apply(m_, d, up_);
   mj_step(m_, d);
   mju_addTo(change_.data(), d->qvel, m_->nv);
   double largest = 0;

@@ -6,14 +6,15 @@
 #include <Eigen/Geometry>
 #include <vector>
 
+#include "tools/follower_load.h"
 #include "tools/mujoco_support.h"
 #include "tools/retrofit_model.h"
 #include "tools/rhythm.h"
 
 namespace torso::tools {
 
-// The torso of BodyMjcf::torsoOnHolds on its way to static equilibrium, without gravity, while its
-// holds move.
+// The torso of BodyMjcf::torsoOnHolds on its way to static equilibrium while its holds move. Its
+// weight is the follower load on the discs; Rhythm leads the shoulder girdle and the upper neck.
 //
 // A step starts at rest, so that what mj_step integrates is a step of descent: the change of
 // pose that the plugin's implicit rows (discs, ligaments, facets, holds) give to the forces at
@@ -28,7 +29,8 @@ class Equilibrium {
   // Rest pose, all stresses gone.
   void reset();
   // Where the held bones are to be, in the order of kHeldBones, in the frame of the pelvis.
-  void hold(const std::vector<Eigen::Isometry3d>& poses);
+  // up: where up is in that frame, unit; zero where there is no weight.
+  void hold(const std::vector<Eigen::Isometry3d>& poses, const Eigen::Vector3d& up);
   // One step; returns the largest turn of a joint or free body by descent, momentum apart [rad]: 0
   // in equilibrium.
   double step();
@@ -50,6 +52,8 @@ class Equilibrium {
   const mjModel* m_;
   DataPtr d_;
   Rhythm rhythm_;
+  FollowerLoad load_;
+  Eigen::Vector3d up_ = Eigen::Vector3d::Zero();  // in the world
   double momentum_;
   int pelvis_;
   std::vector<int> held_, mocap_;

@@ -125,19 +125,20 @@ class Course {
   // Brings the torso along as the holds go to the next frame; the first time from rest. Returns
   // false if it lost its footing on the way, for a pose far out of reach, and has come from rest
   // again.
-  bool follow(const std::vector<Isometry3d>& goal) {
+  bool follow(const std::vector<Isometry3d>& goal, const Vector3d& up) {
     int steps = least_;
     for (std::size_t i = 0; i < goal.size(); i++) {
       const Isometry3d move = last_[i].inverse() * goal[i];
       steps = std::max(steps, static_cast<int>(move.translation().norm() / kStride));
       steps = std::max(steps, static_cast<int>(Eigen::AngleAxisd(move.linear()).angle() / kTurn));
     }
-    if (started_ && go(goal, std::min(steps, kMostSteps))) return true;
+    if (started_ && go(goal, up, std::min(steps, kMostSteps))) return true;
     const bool lost = started_;
     started_ = true;
     torso_.reset();
     last_ = torso_.restPoses();
-    go(goal, kApproach);
+    last_up_ = up;
+    go(goal, up, kApproach);
     for (int i = 0; i < kFirstRest && unrest_ > kAtRest; i++) unrest_ = torso_.step();
     return !lost;
   }
@@ -145,21 +146,22 @@ class Course {
   double unrest() const { return unrest_; }
 
  private:
-  bool go(const std::vector<Isometry3d>& goal, int steps) {
+  bool go(const std::vector<Isometry3d>& goal, const Vector3d& up, int steps) {
     std::vector<Isometry3d> now = goal;
     for (int s = 1; s <= steps; s++) {
-      for (std::size_t i = 0; i < goal.size(); i++) {
-        now[i] = blend(last_[i], goal[i], static_cast<double>(s) / steps);
-      }
-      torso_.hold(now);
+      const double share = static_cast<double>(s) / steps;
+      for (std::size_t i = 0; i < goal.size(); i++) now[i] = blend(last_[i], goal[i], share);
+      torso_.hold(now, (1 - share) * last_up_ + share * up);
       unrest_ = torso_.step();
     }
     last_ = goal;
+    last_up_ = up;
     return firstWarning(torso_.data()).empty();
   }
 
   Equilibrium& torso_;
   std::vector<Isometry3d> last_;
+  Vector3d last_up_ = Vector3d::Zero();
   int least_;
   bool started_ = false;
   double unrest_ = 0;
@@ -262,7 +264,9 @@ RetrofitResult retrofit(const RetrofitModels& models, const HeldMotion& motion,
   const std::size_t frames = motion.frames();
   for (std::size_t frame = 0; frame < frames; frame++) {
     const auto goal = targets(frame);
-    const bool jumped = !course.follow(goal);
+    const Vector3d up =
+        poses.at(frame, "pelvis").linear().transpose() * (options.weight * Vector3d::UnitZ());
+    const bool jumped = !course.follow(goal, up);
     torso.forward();
     result.frames.push_back(reader.read(torso, goal));
     RetrofitFrame& now = result.frames.back();

@@ -19,6 +19,7 @@ struct RetrofitOptions {
   double steps = 240;  // of descent per second, at least two per frame; the holds move on a little
                        // before each, and more of them are taken where the holds move fast
   double momentum = 0.7;  // see Equilibrium
+  double weight = 1;      // share of the body's weight that its discs bear, see FollowerLoad
 
   // A frame is flagged beyond these. A human spine cannot reach what would take more.
   double position_error = 0.010;               // of a held bone [m]
@@ -56,9 +57,9 @@ struct RetrofitResult {
   double core_seconds = 0;  // processor time of this thread
 };
 
-// Static equilibrium at every frame, each from the last one. Gravity and muscles are left out
-// together: what carries the trunk's weight in a living body is muscle, and a passive torso under
-// its weight would buckle where a person stands. Thread-safe, one mjData per call. progress, if
+// Static equilibrium at every frame, each from the last one. The weight of the body presses the
+// discs together and does not bend the spine: a passive torso would buckle where muscles let a
+// person stand. Thread-safe, one mjData per call. progress, if
 // any, gets the share done and may throw to cancel. Throws Error "<clip>: ..." if the motion has no
 // pelvis, no frame, or a number that is not finite.
 RetrofitResult retrofit(const RetrofitModels& models, const HeldMotion& motion,
