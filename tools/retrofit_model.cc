@@ -10,6 +10,7 @@
 
 #include "model/body.h"
 #include "tools/error.h"
+#include "tools/files.h"
 #include "tools/graft_xml.h"
 #include "tools/mjcf.h"
 
@@ -165,19 +166,18 @@ std::vector<double> restPoses(const mjModel* m, const std::vector<std::string>& 
 
 }  // namespace
 
-BodyMjcf::BodyMjcf(const std::string& path) : path_(path) {
+BodyMjcf::BodyMjcf(const std::string& path) : BodyMjcf(readFile(path), path) {}
+
+BodyMjcf::BodyMjcf(const std::string& mjcf, const std::string& name) : name_(name) {
   tinyxml2::XMLDocument document;
-  const tinyxml2::XMLError error = document.LoadFile(path.c_str());
-  if (error != tinyxml2::XML_SUCCESS || !document.RootElement()) {
-    throw Error(fmt::format("{}: cannot read it as MJCF ({})", path, document.ErrorName()));
-  }
+  parse(document, mjcf, name);
   XMLElement* root = document.RootElement();
   std::vector<std::string> needed = {"pelvis", "ribcage"};
   needed.insert(needed.end(), kHeldBones.begin(), kHeldBones.end());
   for (const std::string& body : needed) {
     if (!findBody(root, body)) {
       throw Error(fmt::format(
-          "{}: no body '{}'; give a whole body as torso build writes it (human.xml)", path, body));
+          "{}: no body '{}'; give a whole body as torso build writes it (human.xml)", name, body));
     }
   }
   strip(root, true);
@@ -188,13 +188,13 @@ BodyMjcf::BodyMjcf(const std::string& path) : path_(path) {
 
 ModelPtr BodyMjcf::human() const {
   tinyxml2::XMLDocument document;
-  parse(document, text_, path_);
+  parse(document, text_, name_);
   return compile(document, "human");
 }
 
 ModelPtr BodyMjcf::torsoOnHolds() const {
   tinyxml2::XMLDocument document;
-  parse(document, text_, path_);
+  parse(document, text_, name_);
   XMLElement* root = document.RootElement();
   strip(root, false);
   const std::vector<std::string> held(kHeldBones.begin(), kHeldBones.end());
@@ -212,19 +212,19 @@ ModelPtr BodyMjcf::torsoOnHolds() const {
   ModelPtr m = compile(document, "torso_on_holds");
   m->opt.timestep = kStep;
   m->opt.disableflags |= mjDSBL_GRAVITY | mjDSBL_ACTUATION | mjDSBL_SENSOR;
-  torsoOf(m.get(), path_);
+  torsoOf(m.get(), name_);
   return m;
 }
 
 ModelPtr BodyMjcf::pelvisOnHold() const {
   tinyxml2::XMLDocument document;
-  parse(document, text_, path_);
+  parse(document, text_, name_);
   XMLElement* root = document.RootElement();
   const std::vector<double> pose = restPoses(compile(document, "body").get(), {"pelvis"});
   // As good as rigid.
   addHold(root, "pelvis", pose.data(), 1e6, 1e5);
   ModelPtr m = compile(document, "pelvis_on_hold");
-  torsoOf(m.get(), path_);
+  torsoOf(m.get(), name_);
   return m;
 }
 

@@ -33,8 +33,8 @@ class BodyMjcf {
  public:
   // Throws Error "<path>: ..." if it is no MJCF or lacks the bones that a motion holds.
   explicit BodyMjcf(const std::string& path);
-
-  const std::string& path() const { return path_; }
+  // The same from its text; messages begin with `name`.
+  BodyMjcf(const std::string& text, const std::string& name);
 
   // The whole body as in the file.
   ModelPtr human() const;
@@ -51,7 +51,7 @@ class BodyMjcf {
   ModelPtr pelvisOnHold() const;
 
  private:
-  std::string path_, text_;
+  std::string name_, text_;
 };
 
 }  // namespace torso::tools
