@@ -48,6 +48,7 @@ Json describe(const TruthErrors& e, const Posture& posture) {
           {"input_power_above_band", e.smoothness.input_share},
           {"output_power_above_band", e.smoothness.output_share},
           {"true_power_above_band", e.truth_smoothness.output_share},
+          {"power_above_band_over_input", e.smoothness.gain},
           {"largest_jump_deg", kDegrees * e.smoothness.largest_jump},
           {"true_largest_jump_deg", kDegrees * e.truth_smoothness.largest_jump},
           {"core_s_per_s", e.core_seconds / e.seconds}};
@@ -72,19 +73,20 @@ void run(const Options& options) {
     std::cout << rows.dump(2) << std::endl;
     return;
   }
-  fmt::print("{:15} {:>17} {:>6} {:>8} {:>8} {:>8}  {:>11}  {:>18} {:>6}\n", "rms error, deg",
-             "worst level", "lumbar", "thoracic", "cervical", "scapula", "held bones",
-             "power above band", "core");
+  fmt::print("{:15} {:>17} {:>6} {:>8} {:>8} {:>8}  {:>11}  {:>22}  {:>15} {:>5}\n",
+             "rms error, deg", "worst level", "lumbar", "thoracic", "cervical", "scapula",
+             "held bones", "power above band", "jump, deg", "core");
   for (const Json& row : rows) {
     const auto number = [&row](const char* name) { return row[name].get<double>(); };
     fmt::print(
         "{:15} {:>10} {:6.2f} {:6.2f} {:8.2f} {:8.2f} {:8.2f}  {:4.1f} mm {:.2f}  "
-        "{:.3f} (true {:.3f}) {:5.2f}\n",
+        "{:.3f}, true {:.3f} {:5.3f}  {:.2f}, true {:.2f} {:5.2f}\n",
         row["motion"].get<std::string>(), row["worst_level"].get<std::string>(),
         number("worst_level_rms_deg"), number("lumbar_rms_deg"), number("thoracic_rms_deg"),
         number("cervical_rms_deg"), number("scapula_rms_deg"), number("held_error_mm"),
         number("held_error_deg"), number("output_power_above_band"),
-        number("true_power_above_band"), number("core_s_per_s"));
+        number("true_power_above_band"), number("power_above_band_over_input"),
+        number("largest_jump_deg"), number("true_largest_jump_deg"), number("core_s_per_s"));
   }
 }
 

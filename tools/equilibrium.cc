@@ -28,7 +28,9 @@ Equilibrium::Equilibrium(const mjModel* m, const mjModel* human, double momentum
       rhythm_(m, human),
       load_(m, human),
       momentum_(momentum),
-      change_(m->nv) {
+      change_(m->nv),
+      descent_(m->nv),
+      start_(m->nq) {
   pelvis_ = mj_name2id(m, mjOBJ_BODY, "pelvis");
   for (const std::string bone : kHeldBones) {
     held_.push_back(mj_name2id(m, mjOBJ_BODY, bone.c_str()));
@@ -41,16 +43,23 @@ Equilibrium::Equilibrium(const mjModel* m, const mjModel* human, double momentum
 void Equilibrium::reset() {
   mj_resetData(m_, d_.get());
   mj_forward(m_, d_.get());
-  rest();
+  std::fill(change_.begin(), change_.end(), 0);
+  std::fill(descent_.begin(), descent_.end(), 0);
+  share_ = 1;
 }
 
 void Equilibrium::hold(const std::vector<Isometry3d>& poses, const Vector3d& up) {
   const Isometry3d pelvis = bodyPose(d_.get(), pelvis_);
   up_ = pelvis.linear() * up;
   for (std::size_t i = 0; i < poses.size(); i++) {
-    const Isometry3d X = pelvis * poses[i];
-    const Quaterniond q(X.linear());
-    mju_copy3(d_->mocap_pos + 3 * mocap_[i], X.translation().data());
+    const Isometry3d bone = bodyPose(d_.get(), held_[i]), goal = pelvis * poses[i];
+    const Vector3d way = goal.translation() - bone.translation();
+    const Quaterniond turned(bone.linear());
+    const double angle = turned.angularDistance(Quaterniond(goal.linear()));
+    const Vector3d x = bone.translation() + way * std::min(1.0, kHoldReach / (way.norm() + 1e-9));
+    const Quaterniond q =
+        turned.slerp(std::min(1.0, kHoldTurn / (angle + 1e-9)), Quaterniond(goal.linear()));
+    mju_copy3(d_->mocap_pos + 3 * mocap_[i], x.data());
     mjtNum* quat = d_->mocap_quat + 4 * mocap_[i];
     quat[0] = q.w();
     quat[1] = q.x();
@@ -65,16 +74,33 @@ double Equilibrium::step() {
   mju_scl(change_.data(), change_.data(), momentum_, m_->nv);
   mj_integratePos(m_, d->qpos, change_.data(), h);
   mju_zero(d->qvel, m_->nv);
+  mju_copy(start_.data(), d->qpos, m_->nq);
   rhythm_.apply(m_, d);
   load_.apply(m_, d, up_);
   mj_step(m_, d);
-  mju_addTo(change_.data(), d->qvel, m_->nv);
-  double largest = 0;
+
+  double turn = 0, along = 0;  // largest turn; product with the last step's
   for (int j = 0; j < m_->njnt; j++) {
-    const int rotation = m_->jnt_dofadr[j] + (m_->jnt_type[j] == mjJNT_FREE ? 3 : 0);
-    largest = std::max(largest, h * mju_norm3(d->qvel + rotation));
+    const int dof = m_->jnt_dofadr[j] + (m_->jnt_type[j] == mjJNT_FREE ? 3 : 0);
+    turn = std::max(turn, h * mju_norm3(d->qvel + dof));
+    along += mju_dot3(d->qvel + dof, descent_.data() + dof);
   }
-  return largest;
+  constexpr double kSteady = 1e-3, kLongest = 0.05;  // [rad]: too small to matter, too large
+  if (along < 0 && turn > kSteady) {
+    share_ = std::max(0.5 * share_, 0.05);
+    std::fill(change_.begin(), change_.end(), 0);
+  } else {
+    share_ = std::min(1.1 * share_, 1.0);
+  }
+  mju_copy(descent_.data(), d->qvel, m_->nv);
+  const double share = std::min(share_, kLongest / std::max(turn, 1e-12));
+  if (share < 1) {
+    mju_scl(d->qvel, d->qvel, share, m_->nv);
+    mju_copy(d->qpos, start_.data(), m_->nq);
+    mj_integratePos(m_, d->qpos, d->qvel, h);
+  }
+  mju_addTo(change_.data(), d->qvel, m_->nv);
+  return turn;
 }
 
 void Equilibrium::forward() {

@@ -20,7 +20,8 @@ namespace torso::tools {
 // pose that the plugin's implicit rows (discs, ligaments, facets, holds) give to the forces at
 // hand, with the discs' bound of stiffness in the place of their stiffness. Between two steps the
 // pose runs on by a share of its last change (Nesterov's momentum), which makes up for that bound
-// and for the motion of the holds.
+// and for the motion of the holds. Steps that turn back on the one before are shortened: discs
+// that are pulled out of shape are stiffer than their bound.
 class Equilibrium {
  public:
   // torso: of torsoOnHolds; human: the whole body. They outlive the object and may serve several.
@@ -28,14 +29,13 @@ class Equilibrium {
 
   // Rest pose, all stresses gone.
   void reset();
-  // Where the held bones are to be, in the order of kHeldBones, in the frame of the pelvis.
+  // Where the held bones are to be, in the order of kHeldBones, in the frame of the pelvis. A hold
+  // stays within its reach of the bone as this is now.
   // up: where up is in that frame, unit; zero where there is no weight.
   void hold(const std::vector<Eigen::Isometry3d>& poses, const Eigen::Vector3d& up);
   // One step; returns the largest turn of a joint or free body by descent, momentum apart [rad]: 0
   // in equilibrium.
   double step();
-  // Forget the momentum.
-  void rest() { mju_zero(change_.data(), m_->nv); }
   // Brings all that d holds up to the pose, the forces of ligaments and facets too.
   void forward();
 
@@ -58,7 +58,10 @@ class Equilibrium {
   int pelvis_;
   std::vector<int> held_, mocap_;
   std::vector<Eigen::Isometry3d> rest_poses_;
-  std::vector<mjtNum> change_;  // (nv) over the last step
+  std::vector<mjtNum> change_;   // (nv) over the last step, over its time
+  std::vector<mjtNum> descent_;  // (nv) of the last step, without momentum
+  std::vector<mjtNum> start_;    // (nq) of a step
+  double share_ = 1;             // of a step that is taken
 };
 
 }  // namespace torso::tools

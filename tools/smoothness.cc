@@ -32,10 +32,11 @@ std::vector<double> velocityPower(const Turns& turns) {
   return power;
 }
 
-double shareFrom(const std::vector<double>& power, std::size_t first) {
-  const double all = std::accumulate(power.begin(), power.end(), 0.0);
-  return all > 0 ? std::accumulate(power.begin() + first, power.end(), 0.0) / all : 0;
+double powerFrom(const std::vector<double>& power, std::size_t first) {
+  return std::accumulate(power.begin() + std::min(first, power.size()), power.end(), 0.0);
 }
+
+double ratio(double a, double b) { return b > 0 ? a / b : 0; }
 
 }  // namespace
 
@@ -43,10 +44,11 @@ Smoothness smoothness(const Turns& input, const Turns& output, double rate) {
   Smoothness result;
   const std::vector<double> in = velocityPower(input), out = velocityPower(output);
   std::size_t first = 0;
-  while (first < in.size() && shareFrom(in, first) > 0.01) first++;
+  while (first < in.size() && powerFrom(in, first) > 0.01 * powerFrom(in, 0)) first++;
   result.band = first * rate / (input.size() - 1);
-  result.input_share = shareFrom(in, first);
-  result.output_share = shareFrom(out, std::min(first, out.size()));
+  result.input_share = ratio(powerFrom(in, first), powerFrom(in, 0));
+  result.output_share = ratio(powerFrom(out, first), powerFrom(out, 0));
+  result.gain = ratio(powerFrom(out, first), powerFrom(in, first));
   for (std::size_t i = 2; i < output.size(); i++) {
     for (std::size_t k = 0; k < output[i].size(); k++) {
       const double jump = (output[i][k] - 2 * output[i - 1][k] + output[i - 2][k]).norm();

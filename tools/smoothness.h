@@ -9,8 +9,9 @@ namespace torso::tools {
 // How fast turns change, over the frequencies of their angular velocity.
 struct Smoothness {
   double band = 0;          // 99 % of the input's power is below it [Hz]
-  double input_share = 0;   // of the input's power above the band
-  double output_share = 0;  // of the output's: no more, if nothing was added to the motion
+  double input_share = 0;   // of the input's power that is above the band
+  double output_share = 0;  // of the output's
+  double gain = 0;          // output's power above the band over the input's there
   double largest_jump = 0;  // of the output: second difference of a turn over one frame [rad]
 };
 

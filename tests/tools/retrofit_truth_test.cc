@@ -66,6 +66,7 @@ TEST_P(TruthIsFound, LevelByLevel) {
   // No jump that the body itself did not make, but for a tenth of a degree.
   EXPECT_LT(errors.smoothness.largest_jump,
             1.5 * errors.truth_smoothness.largest_jump + 0.1 * kDegree);
+  EXPECT_LT(errors.smoothness.gain, 1);
   EXPECT_LT(errors.core_seconds, 1.0 * errors.seconds);
 }
 INSTANTIATE_TEST_SUITE_P(Retrofit, TruthIsFound, testing::Values("bend and twist", "reach up"));
