@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 constexpr int kApproach = 100, kFirstRest = 300;
 constexpr double kAtRest = 1e-5;  // [rad] a step
 // Of the holds in a step: one that moves faster gets more steps, up to so many a frame.
-constexpr double kStride = 0.01, kTurn = 2 * EIGEN_PI / 180;  // [m], [rad]
+constexpr double kStride = 0.005, kTurn = EIGEN_PI / 180;  // [m], [rad]
 constexpr int kMostSteps = 60;
 
 Isometry3d blend(const Isometry3d& a, const Isometry3d& b, double s) {
