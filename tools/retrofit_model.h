@@ -15,12 +15,12 @@ constexpr std::array<const char*, 3> kHeldBones = {"head", "left_upper_arm", "ri
 
 // Springs between these bones and where a motion wants them. Stiff enough that a posture within
 // human reach moves them by a millimetre or so, soft enough that one out of reach shows as their
-// error and not as a torn spine: 10 mm is 300 N. Assumed.
-constexpr double kHoldStiffness = 3e4;          // [N/m]
+// error and not as a torn spine: 10 mm is 1 kN. Assumed.
+constexpr double kHoldStiffness = 1e5;          // [N/m]
 constexpr double kHoldRotationStiffness = 600;  // [Nm/rad]
 // A hold pulls no more than it would at this distance from its bone: 1.2 kN and 63 Nm, which no
 // neck and no shoulder bears.
-constexpr double kHoldReach = 0.04, kHoldTurn = 0.105;  // [m], [rad]
+constexpr double kHoldReach = 0.012, kHoldTurn = 0.105;  // [m], [rad]
 
 // Springs of the joints that Rhythm leads, in place of the model's own about the rest pose. As
 // stiff as those, but where the held bones say least: scapula and upper neck. Assumed.
