@@ -5,11 +5,13 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "tools/commands.h"
 #include "tools/error.h"
+#include "tools/motion_file.h"
 #include "tools/mujoco_support.h"
 #include "tools/paths.h"
 
@@ -24,8 +26,11 @@ bool isSet(const char* variable) {
 }
 
 // Replaces this process by the viewer.
-void view(const std::string& model) {
-  torsoOf(loadModel(model).get(), model);  // a broken model is told here, not in a window
+void view(const std::string& model, const std::string& motion) {
+  // What is broken is told here, not in a window.
+  const ModelPtr m = loadModel(model);
+  torsoOf(m.get(), model);
+  if (!motion.empty()) motionOf(m.get(), readMotion(motion), motion);
   if (!isSet("DISPLAY") && !isSet("WAYLAND_DISPLAY")) {
     throw Error(fmt::format(
         "{}: no display to open a window on (neither DISPLAY nor WAYLAND_DISPLAY is set); make a "
@@ -33,6 +38,15 @@ void view(const std::string& model) {
         model, model));
   }
   std::string preload = pluginLibrary();
+  if (!motion.empty()) {
+    const std::filesystem::path player =
+        std::filesystem::path(preload).parent_path() / "libtorso_player.so";
+    if (!std::filesystem::exists(player)) {
+      throw Error(player.string() + ": not there; install the build again");
+    }
+    preload += ":" + player.string();
+    setenv("TORSO_MOTION", std::filesystem::absolute(motion).c_str(), 1);
+  }
   if (isSet("LD_PRELOAD")) preload += fmt::format(":{}", std::getenv("LD_PRELOAD"));
   setenv("LD_PRELOAD", preload.c_str(), 1);
   execlp(kViewer, kViewer, model.c_str(), static_cast<char*>(nullptr));
@@ -49,6 +63,7 @@ void view(const std::string& model) {
 
 void addView(CLI::App& app) {
   auto model = std::make_shared<std::string>();
+  auto motion = std::make_shared<std::string>();
   CLI::App* command =
       app.add_subcommand("view", "Open a model in MuJoCo's own viewer, with the torso plugin.");
   command->footer(
@@ -56,9 +71,13 @@ void addView(CLI::App& app) {
       "is\n"
       "loaded into it with LD_PRELOAD. In the viewer, press F1 for help.\n\n"
       "Examples:\n"
-      "  torso view mjcf/human.xml");
+      "  torso view mjcf/human.xml\n"
+      "  torso view mjcf/human.xml --motion out/walk.motion");
   command->add_option("MODEL", *model, "MJCF, URDF or MJB file")->required();
-  command->callback([model] { view(*model); });
+  command->add_option("--motion", *motion,
+                      "Play this motion (CSV or binary, as torso retrofit writes them) over and "
+                      "over, instead of simulating");
+  command->callback([model, motion] { view(*model, *motion); });
 }
 
 }  // namespace torso::tools

@@ -23,6 +23,7 @@ void addRom(CLI::App& app);
 void addRun(CLI::App& app);
 void addShoulder(CLI::App& app);
 void addTimestep(CLI::App& app);
+void addTruth(CLI::App& app);
 void addView(CLI::App& app);
 
 }  // namespace torso::tools

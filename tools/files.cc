@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <system_error>
 
 #include "tools/error.h"
@@ -55,6 +56,14 @@ void renameTemporary(const std::string& path) {
 }
 
 }  // namespace
+
+std::string readFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream content;
+  content << file.rdbuf();
+  if (!file) throw Error(path + ": cannot read");
+  return content.str();
+}
 
 void writeFile(const std::string& path, std::string_view content) {
   const Uninterrupted uninterrupted;

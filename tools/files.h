@@ -7,6 +7,9 @@
 
 namespace torso::tools {
 
+// All bytes of a file. Throws Error that names it.
+std::string readFile(const std::string& path);
+
 // Write a whole file: first beside it under a temporary name, then renamed, so that an interrupted
 // command never leaves half a file. Throws Error that names the file.
 void writeFile(const std::string& path, std::string_view content);

@@ -5,9 +5,7 @@
 
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <system_error>
 #include <vector>
 
@@ -57,14 +55,6 @@ std::uint64_t modelHash(const mjModel* m) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const unsigned char byte : bytes) hash = (hash ^ byte) * 0x100000001b3;
   return hash;
-}
-
-std::string readText(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream content;
-  content << file.rdbuf();
-  if (!file) throw Error(path + ": cannot read");
-  return content.str();
 }
 
 }  // namespace
@@ -147,7 +137,7 @@ RunFolder::RunFolder(const std::string& path, const Json& settings, bool resume)
                 ": holds results already; add --resume to go on with them, or choose "
                 "another folder");
   }
-  if (has_results) checkSettings(settings, readText(settings_), settings_);
+  if (has_results) checkSettings(settings, readFile(settings_), settings_);
   text_ = settings.dump(2) + "\n";
 }
 
@@ -178,7 +168,7 @@ void RunFolder::save(std::uint64_t seed, const std::string& text) const {
 }
 
 std::string RunFolder::load(std::uint64_t seed) const {
-  const std::string text = readText(file(seed));
+  const std::string text = readFile(file(seed));
   Violations unused;
   const RunResult run = parseRecord(text, file(seed), &unused);
   if (run.seed != seed) {

@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
   addBench(app);
   addBones(app);
   addTimestep(app);
+  addTruth(app);
   addGraft(app);
   addDiscs(app);
   addCalibrateDiscs(app);
