@@ -16,6 +16,7 @@ void addGraft(CLI::App& app);
 void addIdentify(CLI::App& app);
 void addImportBones(CLI::App& app);
 void addInfo(CLI::App& app);
+void addPressure(CLI::App& app);
 void addRender(CLI::App& app);
 void addRom(CLI::App& app);
 void addRun(CLI::App& app);
