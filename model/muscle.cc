@@ -16,7 +16,6 @@ using Eigen::Vector3d;
 constexpr double kBesideMidline = 0.003;        // of what is at a spinous process
 constexpr double kMamillaryBehindFace = 0.007;  // the process over the joint's face
 constexpr double kLongissimusAside = 0.022, kIliocostalisAside = 0.042;
-constexpr double kBehindTransverse = 0.012;  // of the thoracic fascicles over the processes
 
 struct Place {
   Vector3d position;  // bone's frame, left
@@ -72,8 +71,7 @@ std::optional<Place> placeOnVertebra(const Anatomy& a, const std::string& site,
   }
   if (site == "longissimus" || site == "iliocostalis") {
     const double y = scale * (site == "longissimus" ? kLongissimusAside : kIliocostalisAside);
-    if (v.region == Region::kLumbar) return Place{{spinous.x(), y, spinous.z()}, false};
-    return Place{{transverse.x() - scale * kBehindTransverse, y, transverse.z()}, false};
+    return Place{{spinous.x(), y, v.region == Region::kLumbar ? spinous.z() : 0}, false};
   }
   return std::nullopt;
 }
