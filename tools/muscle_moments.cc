@@ -15,9 +15,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr const char* kCutDiscs[] = {"L5/S1", "L4/L5",  "L3/L4",   "L2/L3",
-                                     "L1/L2", "T12/L1", "T11/T12", "T10/T11"};
-constexpr const char* kUpperBones[] = {"L5", "L4", "L3", "L2", "L1", "T12", "T11", "T10"};
+constexpr const char* kCutDiscs[] = {"L5/S1", "L4/L5", "L3/L4", "L2/L3", "L1/L2", "T12/L1"};
+constexpr const char* kUpperBones[] = {"L5", "L4", "L3", "L2", "L1", "T12"};
 
 Vector3d sitePosition(const mjData* d, int site) { return Vector3d(d->site_xpos + 3 * site); }
 

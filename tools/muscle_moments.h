@@ -11,8 +11,9 @@
 
 namespace torso::tools {
 
-// A plane through a disc that parts the body in two: all that is above it hangs on this disc, its
-// ligaments, facets and muscles only. So it is from L5/S1 to T10/T11; above, ribs bridge the discs.
+// A plane through a disc that parts the body in two: what is above hangs on this disc, its
+// ligaments, facets and muscles only. From L5/S1 to T12/L1; above, the muscles of muscles.csv are
+// not all there are, and above T10 ribs bridge the discs: servos keep those levels.
 struct Cut {
   std::string disc;         // "L4/L5"
   int site;                 // the disc's frame, on its lower bone

@@ -2,8 +2,6 @@
 #include "tools/pressure_study.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 
 #include "model/muscle.h"
 #include "model/muscle_stress.h"
@@ -50,31 +48,12 @@ ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
   if (!muscles) return result;
 
   const VectorXd sections = moments.sections();
-  if (getenv("ARMS")) {
-    const Eigen::MatrixXd A = moments.arms(d);
-    for (size_t i = 0; i < moments.muscles().size(); i += 2) {
-      fprintf(stderr, "%-22s", nameOf(m, mjOBJ_ACTUATOR, moments.muscles()[i]).c_str());
-      for (int k = 0; k < 8; k++) fprintf(stderr, " %6.0f", 1e3 * A(3 * k + 1, i));
-      fprintf(stderr, "\n");
-    }
-  }
   double before = moments.servoMoments(d).lpNorm<Eigen::Infinity>();
   for (int round = 0; round < kMaxRounds; round++) {
     const Eigen::MatrixXd arms = moments.arms(d);
     const VectorXd demand = moments.servoMoments(d) + arms * moments.tensions(d);
     moments.setTensions(d, leastStressForces(arms, demand, sections, kLargestMuscleStress));
-    if (getenv("DBG")) {
-      const VectorXd f = leastStressForces(arms, demand, sections, kLargestMuscleStress);
-      fprintf(stderr, "round %d\n", round);
-      for (int k = 0; k < 8; k++) {
-        fprintf(stderr, "  demand %6.1f %6.1f %6.1f", demand[3*k], demand[3*k+1], demand[3*k+2]);
-        const VectorXd g = arms * f;
-        fprintf(stderr, "  gives %6.1f %6.1f %6.1f\n", g[3*k], g[3*k+1], g[3*k+2]);
-      }
-      for (size_t i = 0; i < moments.muscles().size(); i++) if (f[i] > 3) fprintf(stderr, "    %s %.0f (%.2f)\n", nameOf(m, mjOBJ_ACTUATOR, moments.muscles()[i]).c_str(), f[i], f[i]/sections[i]*1e-6);
-    }
     body.settle();
-    if (getenv("DBG")) { const VectorXd s2 = moments.servoMoments(d); for (int k = 0; k < 8; k++) fprintf(stderr, "  servo after %6.1f %6.1f %6.1f\n", s2[3*k], s2[3*k+1], s2[3*k+2]); }
     const double now = moments.servoMoments(d).lpNorm<Eigen::Infinity>();
     if (now < kSmallMoment || (round > 0 && now > 0.9 * before)) break;
     before = now;
