@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "model/csv.h"
+#include "model/loft.h"
 #include "tools/error.h"
 #include "tools/torso_mjcf.h"
 
@@ -105,10 +106,24 @@ std::vector<Activity> readActivities(const std::string& folder) {
   return activities;
 }
 
-PosedBody::PosedBody(const Anatomy& anatomy, const Skeleton& skeleton) : anatomy_(anatomy) {
+double PosedBody::discArea(int disc) const {
+  const DiscShape& shape = anatomy_.discs[disc].shape;
+  constexpr int kPoints = 72;
+  const auto outline = endplateOutline(shape.width, shape.depth, kPoints);
+  double area = 0;
+  for (int i = 0; i < kPoints; i++) {
+    const Eigen::Vector2d &p = outline[i], &q = outline[(i + 1) % kPoints];
+    area += (p.x() * q.y() - p.y() * q.x()) / 2;
+  }
+  return area;
+}
+
+PosedBody::PosedBody(const Anatomy& anatomy, const Skeleton& skeleton, const std::string& bones)
+    : anatomy_(anatomy) {
   MjcfOptions options;
   options.limbs = true;
-  options.bones = false;
+  options.bones = !bones.empty();
+  options.mesh_dir = bones;
   options.muscles = true;
   options.skeleton = &skeleton;
   tinyxml2::XMLDocument document;

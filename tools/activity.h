@@ -37,11 +37,13 @@ std::vector<Activity> readActivities(const std::string& folder);
 // servos of the spine are as ever, but without limits.
 class PosedBody {
  public:
-  // skeleton: of the bones of the spine. Throws Error.
-  PosedBody(const Anatomy& anatomy, const Skeleton& skeleton);
+  // skeleton: of the bones of the spine. bones: folder of the bones' meshes, to be seen in
+  // pictures; empty: none. Throws Error.
+  PosedBody(const Anatomy& anatomy, const Skeleton& skeleton, const std::string& bones = "");
 
-  const mjModel* model() const { return m_.get(); }
+  mjModel* model() { return m_.get(); }
   mjData* data() { return d_.get(); }
+  double discArea(int disc) const;  // [m^2]
   // Into the posture, at rest, muscles off; servos aim at it. Throws Error if no lean balances it.
   void take(const Activity& activity);
   // Step until pressures and moments stand still. Throws Error if MuJoCo warns or they do not.

@@ -12,7 +12,11 @@
 #include "tools/bone_files.h"
 #include "tools/commands.h"
 #include "tools/error.h"
+#include "tools/files.h"
+#include "tools/gnuplot.h"
+#include "tools/muscle_arms.h"
 #include "tools/paths.h"
+#include "tools/pressure_plots.h"
 #include "tools/pressure_study.h"
 #include "tools/progress_bar.h"
 
@@ -25,15 +29,9 @@ constexpr const char* kMeasuredDisc = "L4/L5";
 
 struct Options {
   std::vector<std::string> activities;
-  bool muscles = true, json = false;
+  std::string plot;
+  bool muscles = true, json = false, arms = false;
 };
-
-const DiscLoad& at(const Loading& loading, const std::string& disc) {
-  for (const DiscLoad& load : loading.discs) {
-    if (load.disc == disc) return load;
-  }
-  throw Error("the model has no disc " + disc);
-}
 
 Json describe(const Loading& loading) {
   Json discs = Json::array();
@@ -41,7 +39,9 @@ Json describe(const Loading& loading) {
     discs.push_back({{"disc", load.disc},
                      {"nucleus_pressure_mpa", load.nucleus_pressure / 1e6},
                      {"surface_pressure_mpa", load.surface_pressure / 1e6},
-                     {"compression_n", load.compression}});
+                     {"nucleus_pressure_area_of_subject_mpa", load.pressureOnSubjectsArea() / 1e6},
+                     {"compression_n", load.compression},
+                     {"area_mm2", load.area * 1e6}});
   }
   return {{"discs", discs}, {"servo_flexion_moments_nm", loading.servo_moments}};
 }
@@ -64,24 +64,44 @@ Json describe(const std::vector<ActivityLoads>& all) {
 }
 
 void print(const std::vector<ActivityLoads>& all, bool muscles) {
-  fmt::print("{}: pressure of the nucleus [MPa], of the surface in brackets; compression [N]\n",
-             kMeasuredDisc);
-  fmt::print("{:<38}{:>9}{:>15}{:>7}", "", "measured", "servos", "N");
-  if (muscles) fmt::print("{:>15}{:>7}{:>7}{:>9}", "muscles", "N", "off", "stress");
+  fmt::print(
+      "{}: pressure in the nucleus [MPa], {:.2f} of the unloaded disc included; (surface): normal\n"
+      "force over area, as in the paper; [subject]: on a disc of the measured man's {:.0f} mm2, "
+      "ours\n"
+      "has {:.0f}; force: compression [N]\n",
+      kMeasuredDisc, kUnloadedPressure / 1e6, kSubjectsArea * 1e6,
+      all.front().servos.at(kMeasuredDisc).area * 1e6);
+  fmt::print("{:<38}{:>8}{:>22}{:>7}", "", "in vivo", "servos only", "force");
+  if (muscles) fmt::print("{:>22}{:>7}{:>13}", "muscles", "force", "against it");
   fmt::print("\n");
+  const auto mpa = [](const DiscLoad& load) {
+    return fmt::format("{:>8.2f} ({:4.2f}) [{:4.2f}]{:>7.0f}", load.nucleus_pressure / 1e6,
+                       load.surface_pressure / 1e6, load.pressureOnSubjectsArea() / 1e6,
+                       load.compression);
+  };
   for (const ActivityLoads& loads : all) {
-    const DiscLoad& servos = at(loads.servos, kMeasuredDisc);
-    fmt::print("{:<38}{:>9.2f}{:>8.2f} ({:4.2f}){:>7.0f}", loads.activity.title,
-               loads.activity.pressure / 1e6, servos.nucleus_pressure / 1e6,
-               servos.surface_pressure / 1e6, servos.compression);
+    const double measured = loads.activity.pressure;
+    fmt::print("{:<38}{:>8.2f}{}", loads.activity.title, measured / 1e6,
+               mpa(loads.servos.at(kMeasuredDisc)));
     if (muscles) {
-      const DiscLoad& with = at(loads.muscles, kMeasuredDisc);
-      fmt::print("{:>8.2f} ({:4.2f}){:>7.0f}{:>+6.0f}%{:>9.2f}", with.nucleus_pressure / 1e6,
-                 with.surface_pressure / 1e6, with.compression,
-                 100 * (with.nucleus_pressure / loads.activity.pressure - 1),
-                 loads.largest_stress / 1e6);
+      const DiscLoad& with = loads.muscles.at(kMeasuredDisc);
+      fmt::print("{}{:>+5.0f} [{:+3.0f}] %", mpa(with),
+                 100 * (with.nucleus_pressure / measured - 1),
+                 100 * (with.pressureOnSubjectsArea() / measured - 1));
     }
     fmt::print("\n");
+  }
+}
+
+void printArms(const std::vector<MuscleArm>& arms) {
+  fmt::print("moment arms, standing, one side, weighted by section [mm]; in brackets published\n");
+  fmt::print("{:<20}{:<7}{:>28}{:>28}\n", "", "", "behind the disc (extension)",
+             "beside (bending)");
+  for (const MuscleArm& a : arms) {
+    fmt::print("{:<20}{:<7}{:>12.0f} ({:>4.0f} - {:>4.0f}){:>14.0f} ({:>4.0f} - {:>4.0f}){}\n",
+               a.muscle, a.disc, 1e3 * a.behind, 1e3 * a.behind_low, 1e3 * a.behind_high,
+               1e3 * a.beside, 1e3 * a.beside_low, 1e3 * a.beside_high,
+               a.inside() ? "" : "  outside");
   }
 }
 
@@ -103,14 +123,27 @@ void pressure(const Options& options) {
     }
   }
   const Skeleton skeleton = readSkeleton(anatomy, mjcfFolder() + "/assets", spineBodies(anatomy));
-  PosedBody body(anatomy, skeleton);
+  if (!options.plot.empty()) makeFolder(options.plot);
+  PosedBody body(anatomy, skeleton, options.plot.empty() ? "" : mjcfFolder() + "/assets");
   const MuscleMoments moments(body.model());
+  if (options.arms) {
+    printArms(measureArms(anatomy, anatomyFolder(), body.model(), body.data(), moments));
+    return;
+  }
   std::vector<ActivityLoads> results;
   {
     const ProgressBar bar;
     for (const Activity& activity : chosen) {
       bar.show(static_cast<double>(results.size()) / chosen.size());
       results.push_back(measureActivity(body, moments, activity, options.muscles));
+      if (!options.plot.empty()) writePosture(options.plot + "/" + activity.name + ".png", body);
+    }
+  }
+  if (!options.plot.empty()) {
+    writePressurePlot(options.plot, kMeasuredDisc, results);
+    if (!runGnuplot(options.plot, "pressure.gp")) {
+      fmt::print(stderr, "torso pressure: {}: no bars, as there is no gnuplot on this machine\n",
+                 options.plot);
     }
   }
   if (options.json) {
@@ -131,14 +164,19 @@ void addPressure(CLI::App& app) {
       "rest, held by its servos, and then by muscles that give the servos' moments about the "
       "discs\n"
       "L5/S1 to T10/T11 with the least sum of squared stresses. The measured pressure is that in\n"
-      "the nucleus of L4/L5 (Wilke et al. 1999, 2001); ours is above that of the unloaded disc.\n\n"
+      "the nucleus of L4/L5 (Wilke et al. 1999, 2001).\n\n"
       "Examples:\n"
       "  torso pressure\n"
       "  torso pressure --activity standing hold_close --no-muscles\n"
+      "  torso pressure --plot out\n"
       "  torso pressure --json | jq '.activities[] | .muscles.discs'");
   command->add_option("--activity", options->activities, "Only these, by their names in the table");
   command->add_flag("--muscles,!--no-muscles", options->muscles,
                     "Whether muscles take over from the servos (default: they do)");
+  command->add_flag("--arms", options->arms,
+                    "Print the muscles' moment arms beside published ones, and do no more");
+  command->add_option("--plot", options->plot,
+                      "Write pictures of the postures and bars of the pressures into this folder");
   command->add_flag("--json", options->json, "Print JSON, with all discs and muscles");
   command->callback([options] { pressure(*options); });
 }

@@ -5,6 +5,7 @@
 
 #include "model/muscle.h"
 #include "model/muscle_stress.h"
+#include "tools/error.h"
 
 namespace torso::tools {
 namespace {
@@ -15,18 +16,21 @@ using Eigen::VectorXd;
 constexpr double kSmallMoment = 1;  // [Nm]
 constexpr int kMaxRounds = 8;
 
-Loading loading(const mjModel* m, const mjData* d, const MuscleMoments& moments) {
+Loading loading(PosedBody& body, const MuscleMoments& moments) {
+  const mjModel* m = body.model();
+  const mjData* d = body.data();
   Loading result;
   for (int i = 0; torso_discName(m, i); i++) {
     DiscLoad load;
     load.disc = torso_discName(m, i);
-    load.nucleus_pressure = torso_discNucleusPressure(m, d, i);
+    load.nucleus_pressure = kUnloadedPressure + torso_discNucleusPressure(m, d, i);
     load.surface_pressure = torso_discPressure(m, d, i);
     Vector3d force, moment, point, origin;
     mjtNum axes[9];
     torso_discWrench(m, d, i, force.data(), moment.data(), point.data());
     torso_discFrame(m, d, i, origin.data(), axes);
     load.compression = force.dot(Vector3d(axes[2], axes[5], axes[8]));  // on the upper bone
+    load.area = body.discArea(i);
     result.discs.push_back(load);
   }
   const VectorXd servos = moments.servoMoments(d);
@@ -36,6 +40,13 @@ Loading loading(const mjModel* m, const mjData* d, const MuscleMoments& moments)
 
 }  // namespace
 
+const DiscLoad& Loading::at(const std::string& disc) const {
+  for (const DiscLoad& load : discs) {
+    if (load.disc == disc) return load;
+  }
+  throw Error("the model has no disc " + disc);
+}
+
 ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
                               const Activity& activity, bool muscles) {
   const mjModel* m = body.model();
@@ -44,7 +55,7 @@ ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
   result.activity = activity;
   body.take(activity);
   body.settle();
-  result.servos = loading(m, d, moments);
+  result.servos = loading(body, moments);
   if (!muscles) return result;
 
   const VectorXd sections = moments.sections();
@@ -58,7 +69,7 @@ ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
     if (now < kSmallMoment || (round > 0 && now > 0.9 * before)) break;
     before = now;
   }
-  result.muscles = loading(m, d, moments);
+  result.muscles = loading(body, moments);
   const VectorXd tensions = moments.tensions(d);
   result.largest_stress = tensions.cwiseQuotient(sections).maxCoeff();
   for (std::size_t i = 0; i < moments.muscles().size(); i++) {

@@ -12,17 +12,29 @@
 
 namespace torso::tools {
 
+// In the nucleus of a disc under no load [Pa], for the ligaments press on it and it swells:
+// Nachemson and Evans 1968, J Biomech 1:211-220. Pressures of our discs are above it.
+constexpr double kUnloadedPressure = 0.07e6;
+// Of the disc L4/L5 of the man whose pressures were measured [m^2]: Wilke et al. 2001, Clin Biomech
+// 16 Suppl 1:S111-S126.
+constexpr double kSubjectsArea = 1800e-6;
+
 struct DiscLoad {
   std::string disc;
-  double nucleus_pressure;  // above that at rest [Pa], as a needle measures
+  double nucleus_pressure;  // as a needle measures, that of the unloaded disc included [Pa]
   double surface_pressure;  // normal force on the endplate over its area [Pa], as the paper's
   double compression;       // along the disc's axis [N]
+  double area;              // of the endplate [m^2]
+  // That of the nucleus if the same force were on a disc of the subject's area [Pa].
+  double pressureOnSubjectsArea() const {
+    return kUnloadedPressure + (nucleus_pressure - kUnloadedPressure) * area / kSubjectsArea;
+  }
 };
 
-// At the cuts of MuscleMoments, from below: flexion moment about the disc [Nm].
 struct Loading {
   std::vector<DiscLoad> discs;        // all, from below
-  std::vector<double> servo_moments;  // what the servos still do
+  std::vector<double> servo_moments;  // flexion, at the cuts of MuscleMoments, from below [Nm]
+  const DiscLoad& at(const std::string& disc) const;  // throws Error
 };
 
 struct ActivityLoads {
