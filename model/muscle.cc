@@ -123,7 +123,7 @@ std::vector<MuscleLine> makeMuscles(const Anatomy& anatomy, const Skeleton& skel
     for (std::size_t k = 0; k < lines[i].points.size(); k++) {
       MusclePoint& p = lines[i].points[k];
       if (!p.on_bone || !skeleton.has(p.body)) continue;
-      p.position = skeleton.bone(p.body).nearest(p.position).point;
+      p.position = skeleton.whole(p.body).nearest(p.position).point;
       lines[i + 1].points[k].position = mirror(p.position);
     }
   }

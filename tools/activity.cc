@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = EIGEN_PI / 180, kGravity = 9.81;
 constexpr double kStep = 1.0 / 200;  // what stands still does not depend on it
-constexpr double kLimbStiffness = 10;
+constexpr double kLimbStiffness = 40;
 constexpr int kLumbarLevels = 6;  // L5/S1 .. T12/L1
 // At rest: pressures change by less than this over a tenth of a second.
 constexpr double kRestPressure = 1e3, kRestShare = 2e-3, kLongest = 6;  // [Pa], -, [s]
@@ -128,6 +128,14 @@ PosedBody::PosedBody(const Anatomy& anatomy, const Skeleton& skeleton, const std
   options.skeleton = &skeleton;
   tinyxml2::XMLDocument document;
   writeMjcf(anatomy, options, document);
+  if (options.bones) {
+    tinyxml2::XMLDocument scene;
+    writeScene(scene);
+    for (const tinyxml2::XMLElement* e = scene.RootElement()->FirstChildElement(); e;
+         e = e->NextSiblingElement()) {
+      document.RootElement()->InsertEndChild(e->DeepClone(&document));
+    }
+  }
   tinyxml2::XMLElement* equality = document.RootElement()->FirstChildElement("equality");
   for (const char* body : kHeld) {
     tinyxml2::XMLElement* weld = document.NewElement("weld");
@@ -244,7 +252,7 @@ double PosedBody::balance(const Activity& a) {
 void PosedBody::take(const Activity& a) {
   double lean = 0;
   if (a.held == Held::kFeet) {
-    double low = -0.8, high = 0.8;  // [rad]
+    double low = -0.35, high = 0.6;  // as far as ankles go [rad]
     const auto ahead = [&](double angle) {
       pose(leaning(a, angle));
       return balance(a) - relaxed_balance_;

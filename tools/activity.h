@@ -33,11 +33,11 @@ std::vector<Activity> readActivities(const std::string& folder);
 
 // A whole body with muscles that can be put into postures: pelvis, and feet or thorax and head, are
 // held where they are put, which spares the legs to balance and changes nothing for the spine. Arms
-// and legs are ten times as stiff as their servos, without limits, for they only have to carry; the
-// servos of the spine are as ever, but without limits.
+// and legs are forty times as stiff as their servos, without limits, for they only have to carry;
+// the servos of the spine are as ever, but without limits.
 class PosedBody {
  public:
-  // skeleton: of the bones of the spine. bones: folder of the bones' meshes, to be seen in
+  // skeleton: of all bones. bones: folder of the bones' meshes, to be seen in
   // pictures; empty: none. Throws Error.
   PosedBody(const Anatomy& anatomy, const Skeleton& skeleton, const std::string& bones = "");
 

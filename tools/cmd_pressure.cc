@@ -122,7 +122,7 @@ void pressure(const Options& options) {
           fmt::format("--activity {}: there is none of this name; there are {}", name, known));
     }
   }
-  const Skeleton skeleton = readSkeleton(anatomy, mjcfFolder() + "/assets", spineBodies(anatomy));
+  const Skeleton skeleton = readSkeleton(anatomy, mjcfFolder() + "/assets", bodyNames(anatomy));
   if (!options.plot.empty()) makeFolder(options.plot);
   PosedBody body(anatomy, skeleton, options.plot.empty() ? "" : mjcfFolder() + "/assets");
   const MuscleMoments moments(body.model());
@@ -163,7 +163,7 @@ void addPressure(CLI::App& app) {
       "Puts the whole body into the postures of model/anatomy/activities.csv and lets it come to\n"
       "rest, held by its servos, and then by muscles that give the servos' moments about the "
       "discs\n"
-      "L5/S1 to T10/T11 with the least sum of squared stresses. The measured pressure is that in\n"
+      "L5/S1 to T12/L1 with the least sum of squared stresses. The measured pressure is that in\n"
       "the nucleus of L4/L5 (Wilke et al. 1999, 2001).\n\n"
       "Examples:\n"
       "  torso pressure\n"

@@ -35,7 +35,7 @@ void writePressurePlot(const std::string& folder, const std::string& disc,
       "set style data histogram\nset style histogram clustered gap 1\nset style fill solid 0.9 "
       "noborder\nset boxwidth 0.9\n"
       "set ylabel 'pressure [MPa]'\nset yrange [0:*]\nset grid ytics lc rgb 'gray60'\n"
-      "set xtics rotate by -25\nset key left top\nset rmargin 10\n"
+      "set xtics rotate by -25\nset key left top\nset rmargin 16\n"
       "plot 'pressure.csv' skip 1 using 2:xtic(1) lc rgb '#c0392b' title 'in vivo', \\\n"
       "  '' skip 1 using 3 lc rgb '#a9c4e4' title 'ours, servos only'",
       disc);
