@@ -10,6 +10,7 @@
 #include "model/csv.h"
 #include "model/loft.h"
 #include "tools/error.h"
+#include "tools/mjcf.h"
 #include "tools/torso_mjcf.h"
 
 namespace torso::tools {
@@ -32,6 +33,10 @@ constexpr double kRestPressure = 1e3, kRestShare = 2e-3, kLongest = 6;  // [Pa],
 // joints of 20 N/mm (28 N for 1.1 - 1.6 mm: J Biomech 163:111923, 2024), rotation assumed, at four
 // places. Stiffness and damping [N/m, Ns/m, Nm/rad, Nms/rad].
 constexpr const char* kCostalBushing = "1.2e5 2400 50 1";
+
+// The load as it is drawn: a crate of beer [m].
+constexpr const char* kLoad = "load";
+const Vector3d kCrate(0.15, 0.2, 0.14);  // half its sizes
 
 constexpr const char* kHeld[] = {"pelvis", "left_foot", "right_foot", "ribcage", "head"};
 
@@ -135,6 +140,9 @@ PosedBody::PosedBody(const Anatomy& anatomy, const Skeleton& skeleton, const std
          e = e->NextSiblingElement()) {
       document.RootElement()->InsertEndChild(e->DeepClone(&document));
     }
+    Element load(document.RootElement()->FirstChildElement("worldbody"), "body");
+    load.set("name", kLoad).set("mocap", "true");
+    Element(load, "geom").set("type", "box").set("size", kCrate).set("rgba", {0.55, 0.4, 0.2, 1});
   }
   tinyxml2::XMLElement* equality = document.RootElement()->FirstChildElement("equality");
   for (const char* body : kHeld) {
@@ -303,6 +311,17 @@ void PosedBody::applyLoad() {
   }
 }
 
+void PosedBody::showLoad() {
+  const int load = bodyId(m_.get(), kLoad);
+  if (load < 0) return;
+  const bool carried = activity_.load > 0;
+  Vector3d p(d_->xpos + 3 * bodyId(m_.get(), "pelvis"));
+  if (carried) p = loadPoint(activity_);
+  if (activity_.load_in_hands) p.z() -= kCrate.z();
+  mju_copy3(d_->mocap_pos + 3 * m_->body_mocapid[load], p.data());
+  m_->geom_rgba[4 * m_->body_geomadr[load] + 3] = carried;
+}
+
 void PosedBody::settle() {
   mjModel* m = m_.get();
   mjData* d = d_.get();
@@ -327,6 +346,7 @@ void PosedBody::settle() {
       before[i] = p;
     }
   }
+  showLoad();
   mj_forward(m, d);
 }
 

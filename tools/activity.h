@@ -59,6 +59,7 @@ class PosedBody {
   Eigen::Vector3d loadPoint(const Activity& activity) const;
   double balance(const Activity& activity);
   void applyLoad();
+  void showLoad();
 
   const Anatomy& anatomy_;
   ModelPtr m_;

@@ -1,6 +1,7 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <memory>
@@ -68,16 +69,23 @@ void print(const std::vector<ActivityLoads>& all, bool muscles) {
       "{}: pressure in the nucleus [MPa], {:.2f} of the unloaded disc included; (surface): normal\n"
       "force over area, as in the paper; [subject]: on a disc of the measured man's {:.0f} mm2, "
       "ours\n"
-      "has {:.0f}; force: compression [N]\n",
+      "has {:.0f}; force: compression [N]; left: the most that servos still give at one of the "
+      "discs\n"
+      "from L5/S1 to T12/L1 [Nm]\n",
       kMeasuredDisc, kUnloadedPressure / 1e6, kSubjectsArea * 1e6,
       all.front().servos.at(kMeasuredDisc).area * 1e6);
   fmt::print("{:<38}{:>8}{:>22}{:>7}", "", "in vivo", "servos only", "force");
-  if (muscles) fmt::print("{:>22}{:>7}{:>13}", "muscles", "force", "against it");
+  if (muscles) fmt::print("{:>22}{:>7}{:>13}{:>9}", "muscles", "force", "against it", "left");
   fmt::print("\n");
   const auto mpa = [](const DiscLoad& load) {
     return fmt::format("{:>8.2f} ({:4.2f}) [{:4.2f}]{:>7.0f}", load.nucleus_pressure / 1e6,
                        load.surface_pressure / 1e6, load.pressureOnSubjectsArea() / 1e6,
                        load.compression);
+  };
+  const auto left = [](const Loading& loading) {
+    double most = 0;
+    for (const double moment : loading.servo_moments) most = std::max(most, std::abs(moment));
+    return most;
   };
   for (const ActivityLoads& loads : all) {
     const double measured = loads.activity.pressure;
@@ -85,9 +93,9 @@ void print(const std::vector<ActivityLoads>& all, bool muscles) {
                mpa(loads.servos.at(kMeasuredDisc)));
     if (muscles) {
       const DiscLoad& with = loads.muscles.at(kMeasuredDisc);
-      fmt::print("{}{:>+5.0f} [{:+3.0f}] %", mpa(with),
+      fmt::print("{}{:>+5.0f} [{:+3.0f}] %{:>8.1f}", mpa(with),
                  100 * (with.nucleus_pressure / measured - 1),
-                 100 * (with.pressureOnSubjectsArea() / measured - 1));
+                 100 * (with.pressureOnSubjectsArea() / measured - 1), left(loads.muscles));
     }
     fmt::print("\n");
   }

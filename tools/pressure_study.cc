@@ -2,6 +2,7 @@
 #include "tools/pressure_study.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "model/muscle.h"
 #include "model/muscle_stress.h"
@@ -13,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kSmallMoment = 1;  // [Nm]
+constexpr double kSmallMoment = 1, kStill = 0.1;  // [Nm]
 constexpr int kMaxRounds = 8;
 
 Loading loading(PosedBody& body, const MuscleMoments& moments) {
@@ -66,7 +67,7 @@ ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
     moments.setTensions(d, leastStressForces(arms, demand, sections, kLargestMuscleStress));
     body.settle();
     const double now = moments.servoMoments(d).lpNorm<Eigen::Infinity>();
-    if (now < kSmallMoment || (round > 0 && now > 0.9 * before)) break;
+    if (now < kSmallMoment || std::abs(now - before) < kStill) break;
     before = now;
   }
   result.muscles = loading(body, moments);

@@ -48,7 +48,7 @@ struct ActivityLoads {
 // Puts the body in the posture, lets the servos hold it, and, if asked for, lets muscles take over:
 // their tensions are those of least stress (model/muscle_stress.h) that give the moments which
 // servos and muscles together gave at rest, again and again until the servos' share at the cuts is
-// below 1 Nm or no longer falls. The servos stay, and give what muscles cannot. Throws Error.
+// below 1 Nm or stands still. The servos stay, and give what muscles cannot. Throws Error.
 ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
                               const Activity& activity, bool muscles);
 
