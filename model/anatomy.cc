@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <stdexcept>
 
 #include "model/csv.h"
@@ -135,6 +136,30 @@ DiscTest readDiscTest(const CsvTable& t, int i) {
   return d;
 }
 
+void readMuscles(const std::string& folder, Anatomy* a) {
+  const CsvTable sites(folder + "/muscle_sites.csv");
+  for (int i = 0; i < sites.rows(); i++) {
+    const std::string& name = sites.text(i, "site");
+    a->landmarks[name] =
+        Vector3d(sites.number(i, "x_mm"), sites.number(i, "y_mm"), sites.number(i, "z_mm")) * kMm;
+    a->landmark_carriers[name] = sites.text(i, "body");
+    if (sites.word(i, "end", {"0", "1"}) == 1) a->muscle_ends.insert(name);
+  }
+  const CsvTable muscles(folder + "/muscles.csv");
+  for (int i = 0; i < muscles.rows(); i++) {
+    Muscle muscle;
+    muscle.name = muscles.text(i, "fascicle");
+    muscle.group = muscles.text(i, "muscle");
+    muscle.section = muscles.number(i, "pcsa_mm2") * kMm * kMm;
+    std::istringstream path(muscles.text(i, "path"));
+    for (std::string site; path >> site;) muscle.sites.push_back(site);
+    if (muscle.section <= 0 || muscle.sites.size() < 2) {
+      throw std::runtime_error(muscles.where(i) + ": a section > 0 and two sites are needed");
+    }
+    a->muscles.push_back(muscle);
+  }
+}
+
 }  // namespace
 
 const std::string& motionName(Motion motion) {
@@ -205,6 +230,7 @@ Anatomy Anatomy::load(const std::string& folder) {
         kMm;
     a.landmark_carriers[landmarks.text(i, "landmark")] = landmarks.text(i, "moves_with");
   }
+  readMuscles(folder, &a);
 
   // The S1 endplate is the lower face of disc L5/S1: half the wedge away from its mid-plane.
   const Disc& l5s1 = a.discs.front();
@@ -391,6 +417,7 @@ Anatomy Anatomy::scaled(double length, double mass) const {
   }
   for (CostalJoint& j : a.costal_joints) j.position *= length;
   for (auto& [name, position] : a.landmarks) position *= length;
+  for (Muscle& muscle : a.muscles) muscle.section *= mass / length;
   for (Segment& s : a.segments) {
     s.mass *= mass;
     s.com *= length;

@@ -13,6 +13,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -107,6 +108,12 @@ struct Servo {        // left side of a pair
   double kp, kv, force_limit;
 };
 
+struct Muscle {                    // a line of action, left one of a pair
+  std::string name, group;         // "MF_m1s", "multifidus"
+  double section;                  // physiological cross-section [m^2]
+  std::vector<std::string> sites;  // along the line, see model/muscle.h
+};
+
 // Name without the side: "ALL_lat" of "ALL_lat_left"; column of ligament_lengths.csv.
 std::string ligamentPair(const Ligament& ligament);
 
@@ -177,12 +184,15 @@ struct Anatomy {
   std::vector<ArticularFacet> facets;
   std::vector<CostalJoint> costal_joints;
   std::vector<Ligament> ligaments;
-  std::map<std::string, Eigen::Vector3d> landmarks;  // left side of a pair
+  // Left side of a pair; sites of muscles among them.
+  std::map<std::string, Eigen::Vector3d> landmarks;
   // Body, vertebra or disc that each landmark keeps its place on.
   std::map<std::string, std::string> landmark_carriers;
   std::vector<Segment> segments;
   std::vector<BallJoint> joints;
   std::vector<Servo> servos;
+  std::vector<Muscle> muscles;
+  std::set<std::string> muscle_ends;                     // landmarks that lie on the bone's surface
   std::map<std::string, RangeOfMotion> range_of_motion;  // by disc
   std::vector<DiscTest> disc_tests;                      // not used by the model
   std::map<std::string, SexDifference> sex_differences;  // used by personalAnatomy only
@@ -212,8 +222,8 @@ struct Anatomy {
   // A body of the same shape with all lengths times `length` and all masses times `mass`, both > 0,
   // that moves in the same time: inertias, and stiffness, damping, gain and force limit of joints
   // and servos, go with mass * length^2, moduli of discs with mass / length (their linear stiffness
-  // with mass). Angles, times and Poisson's ratio stay, and so do disc_tests, which are the
-  // figures of publications.
+  // with mass), sections of muscles with mass / length. Angles, times and Poisson's ratio stay, and
+  // so do disc_tests, which are the figures of publications.
   Anatomy scaled(double length, double mass) const;
 };
 

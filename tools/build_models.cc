@@ -41,8 +41,9 @@ Skeleton skeletonOf(const Anatomy& anatomy, const std::vector<std::string>& bodi
 }  // namespace
 
 Files buildModels(const Anatomy& anatomy, int threads, const std::function<void(double)>& progress,
-                  const OwnBones* own) {
+                  const OwnBones* own, bool muscles) {
   MjcfOptions torso, human;
+  torso.muscles = human.muscles = muscles;
   human.limbs = true;
   human.scene = true;
   const Skeleton skeleton = skeletonOf(anatomy, mjcfBodies(anatomy, human), threads, progress, own);

@@ -29,7 +29,7 @@ struct Options {
   std::string output, anatomy, sex = "m";
   double stature = 0, mass = 0, lordosis = 0, kyphosis = 0, sacral_slope = 0;
   int threads = 0;
-  bool json = false;
+  bool json = false, muscles = false;
 };
 
 // Which of them were given says the command line, for 0 is a number like others.
@@ -94,7 +94,8 @@ void build(Options& options, const CLI::App& command) {
   std::map<std::string, std::string> files;
   {
     const ProgressBar bar;
-    files = buildModels(anatomy, options.threads, [&](double share) { bar.show(share); });
+    files = buildModels(
+        anatomy, options.threads, [&](double share) { bar.show(share); }, nullptr, options.muscles);
   }
   std::map<std::string, std::string> by_path;
   for (const auto& [name, content] : files) by_path[options.output + "/" + name] = content;
@@ -139,6 +140,8 @@ void addBuild(CLI::App& app) {
                       "that balances the body)");
   command->add_option("--threads", options->threads, "Threads (default: all)")
       ->check(CLI::PositiveNumber);
+  command->add_flag("--muscles", options->muscles,
+                    "With the trunk's muscles: spatial tendons with actuators, off at control 0");
   command->add_flag("--json", options->json, "Print JSON");
   command->callback([options, command] { build(*options, *command); });
 }

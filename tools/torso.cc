@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   addImportBones(app);
   addInfo(app);
   addRom(app);
+  addPressure(app);
   addRun(app);
   addShoulder(app);
   addView(app);

@@ -11,6 +11,7 @@
 #include "model/facet.h"
 #include "model/ligament.h"
 #include "model/loft.h"
+#include "model/muscle.h"
 #include "tools/collision_shapes.h"
 #include "tools/mjcf.h"
 
@@ -25,6 +26,7 @@ using tinyxml2::XMLElement;
 
 // Viewer groups, one per layer; 0-2 are shown at first, 3-5 hidden.
 constexpr int kBoneGroup = 1, kDiscGroup = 1, kLigamentGroup = 1;
+constexpr int kMuscleGroup = 2;
 constexpr int kCollisionGroup = 3, kFacetGroup = 4, kSiteGroup = 4;
 
 // Bits of contype and conaffinity. Anything with MuJoCo's default bits (1, 1) meets every bone;
@@ -105,6 +107,7 @@ class Writer {
   void writeTendons();
   void writeEqualities();
   void writeActuators();
+  void writeMuscleActuators();
   void writeSensors();
   void writeCustom();
   void writeSkins(XMLElement* asset);
@@ -116,6 +119,7 @@ class Writer {
   std::set<std::string> axes_;  // bodies that have an axesSite
   std::vector<Facet> facets_;
   std::vector<LigamentSegment> ligaments_;
+  std::vector<MuscleLine> muscles_;
   std::vector<Disc> levels_;
   std::vector<DiscMesh> discs_;  // of levels_
 };
@@ -143,6 +147,15 @@ void Writer::write() {
                                             : makeLigaments(a_)) {
       if (has(bodyOfLevel(a_, s.lower)) && has(bodyOfLevel(a_, s.upper))) ligaments_.push_back(s);
     }
+    const std::vector<std::string> bodies = mjcfBodies(a_, o_);
+    for (const MuscleLine& line : !o_.muscles ? std::vector<MuscleLine>()
+                                  : bones     ? makeMuscles(a_, *bones)
+                                              : makeMuscles(a_)) {
+      const auto missing = [&](const MusclePoint& p) {
+        return std::find(bodies.begin(), bodies.end(), p.body) == bodies.end();
+      };
+      if (std::none_of(line.points.begin(), line.points.end(), missing)) muscles_.push_back(line);
+    }
     for (const Disc& disc : a_.discs) {
       if (!has(bodyOfLevel(a_, disc.lower)) || !has(bodyOfLevel(a_, disc.upper))) continue;
       levels_.push_back(disc);
@@ -160,6 +173,7 @@ void Writer::write() {
   if (detailed()) writeTendons();
   if (detailed()) writeEqualities();
   writeActuators();
+  writeMuscleActuators();
   if (detailed()) writeSensors();
   if (detailed()) writeCustom();
 }
@@ -235,6 +249,14 @@ void Writer::writeDefaults() {
       .set("group", kSiteGroup)
       .set("size", 0.0012)
       .set("rgba", {0.8, 0.6, 0.3, 1});
+  if (!muscles_.empty()) {
+    Element muscle = makeClass("muscle");
+    Element(muscle, "tendon")
+        .set("group", kMuscleGroup)
+        .set("width", 0.0015)
+        .set("rgba", {0.72, 0.22, 0.20, 1});
+    Element(muscle, "site").set("group", kSiteGroup).set("size", 0.0015);
+  }
   Element frames = makeClass("disc_frame");
   Element(frames, "site")
       .set("group", kSiteGroup)
@@ -504,6 +526,15 @@ void Writer::writeSites() {
           .set("pos", local(body, point));
     }
   }
+  for (const MuscleLine& line : muscles_) {
+    for (std::size_t k = 0; k < line.points.size(); k++) {
+      const MusclePoint& p = line.points[k];
+      Element(bodies_[p.body], "site")
+          .set("name", named(line.name + "_" + std::to_string(k)))
+          .set("class", named("muscle"))
+          .set("pos", local(p.body, p.position));
+    }
+  }
 }
 
 void Writer::writeContacts() {
@@ -561,6 +592,13 @@ void Writer::writeTendons() {
         .set("range", {-s.max_length, s.max_length});
     Element(spatial, "site").set("site", named(s.name + "_lower"));
     Element(spatial, "site").set("site", named(s.name + "_upper"));
+  }
+  for (const MuscleLine& line : muscles_) {
+    Element spatial(tendons, "spatial");
+    spatial.set("name", named(line.name)).set("class", named("muscle"));
+    for (std::size_t k = 0; k < line.points.size(); k++) {
+      Element(spatial, "site").set("site", named(line.name + "_" + std::to_string(k)));
+    }
   }
 }
 
@@ -642,6 +680,19 @@ void Writer::writeActuators() {
         e.set("joint", named(prefix + joint.name)).set("gear", axis);
       }
     }
+  }
+}
+
+// Control 1 is the largest stress of the muscle; a positive force of MuJoCo's would lengthen it.
+void Writer::writeMuscleActuators() {
+  XMLElement* actuators = root_->FirstChildElement("actuator");
+  for (const MuscleLine& line : muscles_) {
+    Element(actuators, "general")
+        .set("name", named(line.name))
+        .set("group", kMuscleGroup)
+        .set("tendon", named(line.name))
+        .set("ctrlrange", {0, 1})
+        .set("gainprm", -line.section * kLargestMuscleStress);
   }
 }
 

@@ -35,6 +35,7 @@ struct MjcfOptions {
       only;              // these bodies, and of the rest what lies between them; empty: all
   std::string anchored;  // this body is fixed to the world
   bool bones = true;     // show the bones; their mesh files must exist
+  bool muscles = false;  // of the detailed torso: tendons and actuators, controls 0 to 1
   double height = 0;     // of the S1 endplate above the ground; 0: feet on the ground [m]
 };
 

@@ -1,0 +1,173 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "tools/pressure_study.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <set>
+
+#include "tests/tools/command_fixture.h"
+#include "tools/bone_files.h"
+#include "tools/error.h"
+#include "tools/muscle_arms.h"
+
+namespace torso::tools {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+class Pressure : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    installHandlers();
+    anatomy_ = new Anatomy(Anatomy::load(TORSO_ANATOMY_DIR));
+    const Skeleton skeleton =
+        readSkeleton(*anatomy_, std::string(TORSO_MJCF) + "/assets", bodyNames(*anatomy_));
+    body_ = new PosedBody(*anatomy_, skeleton);
+    moments_ = new MuscleMoments(body_->model());
+  }
+  static void TearDownTestSuite() {
+    delete moments_;
+    delete body_;
+    delete anatomy_;
+  }
+  static Activity activity(const std::string& name) {
+    for (const Activity& a : readActivities(TORSO_ANATOMY_DIR)) {
+      if (a.name == name) return a;
+    }
+    throw std::runtime_error("no activity " + name);
+  }
+
+  static Anatomy* anatomy_;
+  static PosedBody* body_;
+  static MuscleMoments* moments_;
+};
+Anatomy* Pressure::anatomy_;
+PosedBody* Pressure::body_;
+MuscleMoments* Pressure::moments_;
+
+// By virtual work: turn all that is above a disc about its centre, and a muscle of moment arm r
+// grows shorter by r times the angle.
+TEST_F(Pressure, ArmsAreWhatTendonsShortenBy) {
+  body_->take(activity("bent"));
+  mjModel* m = body_->model();
+  mjData* d = body_->data();
+  const MatrixXd arms = moments_->arms(d);
+  const std::vector<std::string> below[] = {{"pelvis"}, {"pelvis", "L5", "L4", "L3", "L2"}};
+  const std::size_t cuts[] = {0, 4};  // L5/S1, L1/L2
+  const std::vector<mjtNum> qpos(d->qpos, d->qpos + m->nq);
+  const std::vector<mjtNum> length(d->ten_length, d->ten_length + m->ntendon);
+  constexpr double kAngle = 1e-6;
+  for (int k = 0; k < 2; k++) {
+    const Vector3d centre(d->site_xpos + 3 * moments_->cuts()[cuts[k]].site);
+    for (int axis = 0; axis < 3; axis++) {
+      const Quaterniond turn(Eigen::AngleAxisd(kAngle, Vector3d::Unit(axis)));
+      for (int j = 0; j < m->njnt; j++) {
+        if (m->jnt_type[j] != mjJNT_FREE) continue;
+        const std::string name = nameOf(m, mjOBJ_BODY, m->jnt_bodyid[j]);
+        if (std::count(below[k].begin(), below[k].end(), name)) continue;
+        mjtNum* q = d->qpos + m->jnt_qposadr[j];
+        const Vector3d p = centre + turn * (Vector3d(q) - centre);
+        const Quaterniond r = turn * Quaterniond(q[3], q[4], q[5], q[6]);
+        mju_copy3(q, p.data());
+        q[3] = r.w(), q[4] = r.x(), q[5] = r.y(), q[6] = r.z();
+      }
+      mj_kinematics(m, d);
+      mj_comPos(m, d);
+      mj_tendon(m, d);
+      for (std::size_t i = 0; i < moments_->muscles().size(); i++) {
+        const int tendon = m->actuator_trnid[2 * moments_->muscles()[i]];
+        EXPECT_NEAR((length[tendon] - d->ten_length[tendon]) / kAngle, arms(3 * cuts[k] + axis, i),
+                    1e-5)
+            << m->names + m->name_tendonadr[tendon];
+      }
+      std::copy(qpos.begin(), qpos.end(), d->qpos);
+    }
+  }
+}
+
+// Or nearly: ranges are of a muscle's centroid in a scan, not of its fascicles.
+TEST_F(Pressure, ArmsAreInThePublishedRanges) {
+  constexpr double kNear = 0.005;
+  body_->take(activity("standing"));
+  for (const MuscleArm& a :
+       measureArms(*anatomy_, TORSO_ANATOMY_DIR, body_->model(), body_->data(), *moments_)) {
+    SCOPED_TRACE(a.muscle + " at " + a.disc);
+    EXPECT_GT(a.behind, a.behind_low - kNear);
+    EXPECT_LT(a.behind, a.behind_high + kNear);
+    EXPECT_GT(a.beside, a.beside_low - kNear);
+    EXPECT_LT(a.beside, a.beside_high + kNear);
+  }
+}
+
+// In balance the muscles press on the disc what they pull across it, on top of the weight above;
+// what the servos did is all but gone.
+TEST_F(Pressure, MusclesCompressTheDiscsThatServosDoNot) {
+  const ActivityLoads loads = measureActivity(*body_, *moments_, activity("hold_close"), true);
+  const mjModel* m = body_->model();
+  const mjData* d = body_->data();
+  const double moment = std::abs(loads.servos.servo_moments[1]);
+  EXPECT_GT(moment, 30);
+  EXPECT_LT(std::abs(loads.muscles.servo_moments[1]), 0.1 * moment);
+  // Pull along the disc's axis of each line that passes from above L4/L5 to below it.
+  const Cut& cut = moments_->cuts()[1];
+  const Vector3d axis(d->site_xmat[9 * cut.site + 2], d->site_xmat[9 * cut.site + 5],
+                      d->site_xmat[9 * cut.site + 8]);
+  const std::set<std::string> low = {"pelvis", "L5", "left_thigh", "right_thigh"};
+  double pull = 0;
+  for (const int muscle : moments_->muscles()) {
+    const int tendon = m->actuator_trnid[2 * muscle];
+    for (int k = 1; k < m->tendon_num[tendon]; k++) {
+      int a = m->wrap_objid[m->tendon_adr[tendon] + k - 1],
+          b = m->wrap_objid[m->tendon_adr[tendon] + k];
+      const auto isLow = [&](int site) {
+        return low.count(nameOf(m, mjOBJ_BODY, m->site_bodyid[site])) > 0;
+      };
+      if (isLow(a) == isLow(b)) continue;
+      if (isLow(a)) std::swap(a, b);
+      const Vector3d line = Vector3d(d->site_xpos + 3 * a) - Vector3d(d->site_xpos + 3 * b);
+      pull += -d->actuator_force[muscle] * line.normalized().dot(axis);
+    }
+  }
+  EXPECT_GT(pull, 400);
+  // Facets and ligaments carry the difference.
+  EXPECT_NEAR(loads.muscles.at("L4/L5").compression - loads.servos.at("L4/L5").compression, pull,
+              0.2 * pull);
+  EXPECT_GT(loads.muscles.at("L4/L5").nucleus_pressure,
+            1.5 * loads.servos.at("L4/L5").nucleus_pressure);
+}
+
+TEST_F(Pressure, RefusesAPoseThatCannotBeBalanced) {
+  Activity heavy = activity("hold_far");
+  heavy.load = 100;
+  EXPECT_THROW(body_->take(heavy), Error);
+}
+
+using PressureCommand = Command;
+
+TEST_F(PressureCommand, NamesTheActivitiesThereAre) {
+  const Result result = run("pressure --activity flying");
+  EXPECT_NE(result.status, 0);
+  EXPECT_NE(result.err.find("flying"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("hold_close"), std::string::npos) << result.err;
+}
+
+TEST_F(PressureCommand, StandsUnderItsWeightWithoutMuscles) {
+  const Result result = run("pressure --activity standing --no-muscles --json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  const auto& activity = json["activities"][0];
+  EXPECT_FALSE(activity.contains("muscles"));
+  // The tables' masses above L4/L5 are 35.4 kg or 347 N; the disc leans by 11 degrees.
+  for (const auto& disc : activity["servos"]["discs"]) {
+    if (disc["disc"] == "L4/L5") {
+      EXPECT_NEAR(disc["compression_n"].get<double>(), 347, 20);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace torso::tools

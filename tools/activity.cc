@@ -1,0 +1,353 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "tools/activity.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "model/csv.h"
+#include "model/loft.h"
+#include "tools/error.h"
+#include "tools/mjcf.h"
+#include "tools/torso_mjcf.h"
+
+namespace torso::tools {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Isometry3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kDegree = EIGEN_PI / 180, kGravity = 9.81;
+constexpr double kStep = 1.0 / 200;  // what stands still does not depend on it
+constexpr double kLimbStiffness = 40;
+constexpr int kLumbarLevels = 6;  // L5/S1 .. T12/L1
+// At rest: pressures change by less than this over a tenth of a second.
+constexpr double kRestPressure = 1e3, kRestShare = 2e-3, kLongest = 6;  // [Pa], -, [s]
+
+// Between rib cage and spine, in place of the models' bushings, which are soft for the sake of
+// large steps and let the cage give way by centimetres under what the arms hold: 24 costovertebral
+// joints of 20 N/mm (28 N for 1.1 - 1.6 mm: J Biomech 163:111923, 2024), rotation assumed, at four
+// places. Stiffness and damping [N/m, Ns/m, Nm/rad, Nms/rad].
+constexpr const char* kCostalBushing = "1.2e5 2400 50 1";
+
+// The load as it is drawn: a crate of beer [m].
+constexpr const char* kLoad = "load";
+const Vector3d kCrate(0.15, 0.2, 0.14);  // half its sizes
+
+constexpr const char* kHeld[] = {"pelvis", "left_foot", "right_foot", "ribcage", "head"};
+
+Isometry3d pitchAbout(const Vector3d& point, double pitch) {
+  Isometry3d X = Isometry3d::Identity();
+  X.translate(point);
+  X.rotate(AngleAxisd(pitch, Vector3d::UnitY()));
+  X.translate(-point);
+  return X;
+}
+
+Vector3d sitePosition(const mjModel* m, const mjData* d, const std::string& site) {
+  return Vector3d(d->site_xpos + 3 * mj_name2id(m, mjOBJ_SITE, site.c_str()));
+}
+
+int bodyId(const mjModel* m, const std::string& body) {
+  return mj_name2id(m, mjOBJ_BODY, body.c_str());
+}
+
+// A point of a body whose frame has the standing axes, in the world.
+Vector3d bodyPoint(const mjModel* m, const mjData* d, const std::string& body,
+                   const Vector3d& local) {
+  const int id = bodyId(m, body);
+  Vector3d p;
+  mju_rotVecMat(p.data(), local.data(), d->xmat + 9 * id);
+  return p + Vector3d(d->xpos + 3 * id);
+}
+
+void setBall(const mjModel* m, mjData* d, const std::string& joint, double pitch) {
+  for (const char* side : {"left_", "right_"}) {
+    const int j = mj_name2id(m, mjOBJ_JOINT, (side + joint).c_str());
+    mjtNum* q = d->qpos + m->jnt_qposadr[j];
+    q[0] = std::cos(pitch / 2);
+    q[1] = q[3] = 0;
+    q[2] = std::sin(pitch / 2);
+  }
+}
+
+void moveFree(const mjModel* m, mjData* d, const std::string& body, const Isometry3d& X) {
+  mjtNum* q = d->qpos + m->jnt_qposadr[m->body_jntadr[bodyId(m, body)]];
+  const Vector3d p = X * Vector3d(q);
+  const Quaterniond r = Quaterniond(X.linear()) * Quaterniond(q[3], q[4], q[5], q[6]);
+  mju_copy3(q, p.data());
+  q[3] = r.w(), q[4] = r.x(), q[5] = r.y(), q[6] = r.z();
+}
+
+}  // namespace
+
+std::vector<Activity> readActivities(const std::string& folder) {
+  const CsvTable table(folder + "/activities.csv");
+  std::vector<Activity> activities;
+  for (int i = 0; i < table.rows(); i++) {
+    const auto number = [&](const char* column) { return table.number(i, column); };
+    Activity a;
+    a.name = table.text(i, "activity");
+    a.title = table.text(i, "title");
+    a.held = static_cast<Held>(table.word(i, "held", {"feet", "seat", "bed"}));
+    a.gravity = {number("gravity_x"), number("gravity_y"), number("gravity_z")};
+    a.gravity.normalize();
+    a.thorax_pitch = number("thorax_pitch_deg") * kDegree;
+    a.lumbar_flexion = number("lumbar_flexion_deg") * kDegree;
+    a.knee = number("knee_deg") * kDegree;
+    a.upper_arm = number("upper_arm_deg") * kDegree;
+    a.forearm = number("forearm_deg") * kDegree;
+    a.whole_body_leans = table.word(i, "lean", {"legs", "body"}) == 1;
+    a.load = number("load_kg");
+    a.load_in_hands = table.empty(i, "load_mm");
+    a.load_distance = a.load_in_hands ? 0 : number("load_mm") * 1e-3;
+    a.pressure = number("pressure_mpa") * 1e6;
+    activities.push_back(a);
+  }
+  return activities;
+}
+
+double PosedBody::discArea(int disc) const {
+  const DiscShape& shape = anatomy_.discs[disc].shape;
+  constexpr int kPoints = 72;
+  const auto outline = endplateOutline(shape.width, shape.depth, kPoints);
+  double area = 0;
+  for (int i = 0; i < kPoints; i++) {
+    const Eigen::Vector2d &p = outline[i], &q = outline[(i + 1) % kPoints];
+    area += (p.x() * q.y() - p.y() * q.x()) / 2;
+  }
+  return area;
+}
+
+PosedBody::PosedBody(const Anatomy& anatomy, const Skeleton& skeleton, const std::string& bones)
+    : anatomy_(anatomy) {
+  MjcfOptions options;
+  options.limbs = true;
+  options.bones = !bones.empty();
+  options.mesh_dir = bones;
+  options.muscles = true;
+  options.skeleton = &skeleton;
+  tinyxml2::XMLDocument document;
+  writeMjcf(anatomy, options, document);
+  if (options.bones) {
+    tinyxml2::XMLDocument scene;
+    writeScene(scene);
+    for (const tinyxml2::XMLElement* e = scene.RootElement()->FirstChildElement(); e;
+         e = e->NextSiblingElement()) {
+      document.RootElement()->InsertEndChild(e->DeepClone(&document));
+    }
+    Element load(document.RootElement()->FirstChildElement("worldbody"), "body");
+    load.set("name", kLoad).set("mocap", "true");
+    Element(load, "geom").set("type", "box").set("size", kCrate).set("rgba", {0.55, 0.4, 0.2, 1});
+  }
+  tinyxml2::XMLElement* equality = document.RootElement()->FirstChildElement("equality");
+  for (const char* body : kHeld) {
+    tinyxml2::XMLElement* weld = document.NewElement("weld");
+    weld->SetAttribute("name", (std::string("held_") + body).c_str());
+    weld->SetAttribute("body1", body);
+    weld->SetAttribute("solref", "0.01 1");
+    equality->InsertEndChild(weld);
+  }
+  for (tinyxml2::XMLElement* e =
+           document.RootElement()->FirstChildElement("custom")->FirstChildElement("numeric");
+       e; e = e->NextSiblingElement("numeric")) {
+    if (e->Attribute("name", "bushing:ribcage")) e->SetAttribute("data", kCostalBushing);
+  }
+  tinyxml2::XMLPrinter printer;
+  document.Print(&printer);
+  m_ = compileModel(printer.CStr(), "body");
+  torsoOf(m_.get(), "body");
+  m_->opt.timestep = kStep;
+  // Facets are pairs of their own; what else would touch is posed or held.
+  std::fill_n(m_->geom_contype, m_->ngeom, 0);
+  std::fill_n(m_->geom_conaffinity, m_->ngeom, 0);
+  for (int i = 0; i < m_->nu; i++) {
+    if (m_->actuator_trntype[i] == mjTRN_TENDON) continue;
+    m_->actuator_ctrllimited[i] = m_->actuator_forcelimited[i] = 0;
+    if (m_->actuator_trntype[i] == mjTRN_JOINT) {
+      m_->actuator_gainprm[mjNGAIN * i] *= kLimbStiffness;
+      m_->actuator_biasprm[mjNBIAS * i + 1] *= kLimbStiffness;
+    }
+  }
+  for (int j = 0; j < m_->njnt; j++) {
+    if (m_->jnt_type[j] != mjJNT_BALL) continue;
+    for (int k = 0; k < 3; k++) m_->dof_damping[m_->jnt_dofadr[j] + k] *= kLimbStiffness;
+  }
+  d_ = makeData(m_.get());
+  double sum = 0;
+  for (int i = 0; i < kLumbarLevels; i++) {
+    lumbar_shares_.push_back(anatomy.range_of_motion.at(anatomy.discs[i].name)[kFlexion].mean);
+    sum += lumbar_shares_.back();
+  }
+  for (double& share : lumbar_shares_) share /= sum;
+  pose({});
+  relaxed_balance_ = balance(Activity());
+}
+
+PosedBody::Posture PosedBody::leaning(const Activity& a, double lean) const {
+  Posture p{};
+  p.lumbar = a.lumbar_flexion;
+  p.thorax = a.thorax_pitch;
+  if (a.held == Held::kFeet) {
+    p.shin = lean;
+    p.thigh = lean - a.knee;
+    if (a.whole_body_leans) p.thorax += lean;
+  } else if (a.held == Held::kSeat) {
+    p.thigh = -a.knee;
+  }
+  p.pelvis = p.thorax - p.lumbar;
+  p.upper_arm = -a.upper_arm;
+  p.forearm = -a.forearm;
+  return p;
+}
+
+void PosedBody::pose(const Posture& p) {
+  mjModel* m = m_.get();
+  mjData* d = d_.get();
+  mj_resetData(m, d);
+  mj_kinematics(m, d);
+  const Vector3d foot(d->xpos + 3 * bodyId(m, "left_foot"));
+  Vector3d hip(d->xpos + 3 * bodyId(m, "left_thigh"));
+  hip.y() = 0;
+  Isometry3d X = pitchAbout(hip, p.pelvis);
+  std::vector<std::pair<std::string, Isometry3d>> moves = {{"pelvis", X}};
+  for (std::size_t i = 0; i < anatomy_.vertebrae.size(); i++) {
+    if (i < kLumbarLevels) {
+      const Vector3d centre = sitePosition(m, d, anatomy_.discs[i].name + "_lower");
+      X = X * pitchAbout(centre, lumbar_shares_[i] * p.lumbar);
+    }
+    moves.emplace_back(anatomy_.vertebrae[i].name, X);
+  }
+  moves.emplace_back("ribcage", X);
+  for (const auto& [body, move] : moves) moveFree(m, d, body, move);
+  setBall(m, d, "hip", p.thigh - p.pelvis);
+  setBall(m, d, "knee", p.shin - p.thigh);
+  setBall(m, d, "ankle", -p.shin);
+  setBall(m, d, "glenohumeral", p.upper_arm - p.thorax);
+  setBall(m, d, "elbow", p.forearm - p.upper_arm);
+  mj_kinematics(m, d);
+  Isometry3d shift = Isometry3d::Identity();
+  shift.translate(foot - Vector3d(d->xpos + 3 * bodyId(m, "left_foot")));
+  for (const auto& [body, move] : moves) moveFree(m, d, body, shift);
+  mj_kinematics(m, d);
+  mj_comPos(m, d);
+}
+
+Vector3d PosedBody::loadPoint(const Activity& a) const {
+  const Vector3d grip = 0.5 * (anatomy_.landmark("hand_tip") - anatomy_.landmark("wrist"));
+  Vector3d p = bodyPoint(m_.get(), d_.get(), "left_hand", grip);
+  p.y() = 0;
+  if (!a.load_in_hands) {
+    const Vector3d chest =
+        anatomy_.landmark("xiphoid_PX") - anatomy_.landmark("suprasternal_notch_IJ");
+    p.x() = bodyPoint(m_.get(), d_.get(), "ribcage", chest).x() + a.load_distance;
+  }
+  return p;
+}
+
+// Centre of mass of body and load before the feet, in the pose.
+double PosedBody::balance(const Activity& a) {
+  const double mass = anatomy_.mass(), load = a.load;
+  const Vector3d com(d_->subtree_com);
+  const double x = load > 0 ? (mass * com.x() + load * loadPoint(a).x()) / (mass + load) : com.x();
+  return x - d_->xpos[3 * bodyId(m_.get(), "left_foot")];
+}
+
+void PosedBody::take(const Activity& a) {
+  double lean = 0;
+  if (a.held == Held::kFeet) {
+    double low = -0.35, high = 0.6;  // as far as ankles go [rad]
+    const auto ahead = [&](double angle) {
+      pose(leaning(a, angle));
+      return balance(a) - relaxed_balance_;
+    };
+    if (ahead(low) > 0 || ahead(high) < 0) {
+      throw Error(fmt::format("{}: the body cannot be balanced on its feet", a.name));
+    }
+    for (int i = 0; i < 40; i++) {
+      lean = (low + high) / 2;
+      (ahead(lean) > 0 ? high : low) = lean;
+    }
+  }
+  pose(leaning(a, lean));
+  mjModel* m = m_.get();
+  mjData* d = d_.get();
+  activity_ = a;
+  const Vector3d gravity = kGravity * a.gravity;
+  mju_copy3(m->opt.gravity, gravity.data());
+  for (const std::string body : kHeld) {
+    const int e = mj_name2id(m, mjOBJ_EQUALITY, ("held_" + body).c_str());
+    const int b = bodyId(m, body);
+    const bool bed = body == "ribcage" || body == "head";
+    m->eq_active[e] = !bed || a.held == Held::kBed;
+    mjtNum* data = m->eq_data + mjNEQDATA * e;  // anchor in the world; the world in the body
+    mju_zero3(data);
+    const Vector3d to_world = -Vector3d(d->xpos + 3 * b);
+    mju_rotVecMatT(data + 3, to_world.data(), d->xmat + 9 * b);
+    mju_negQuat(data + 6, d->xquat + 4 * b);
+  }
+  mj_forward(m, d);
+  for (int i = 0; i < m->nu; i++) {
+    if (m->actuator_trntype[i] != mjTRN_TENDON) d->ctrl[i] = d->actuator_length[i];
+  }
+}
+
+// Half of the load on each hand, as if the hands held it at its centre.
+void PosedBody::applyLoad() {
+  if (activity_.load == 0) return;
+  const Vector3d point = loadPoint(activity_);
+  for (const char* body : {"left_hand", "right_hand"}) {
+    const int id = bodyId(m_.get(), body);
+    const Vector3d force = activity_.load / 2 * kGravity * activity_.gravity;
+    Vector3d arm = point - Vector3d(d_->xipos + 3 * id);
+    arm.y() = 0;
+    const Vector3d torque = arm.cross(force);
+    mju_copy3(d_->xfrc_applied + 6 * id, force.data());
+    mju_copy3(d_->xfrc_applied + 6 * id + 3, torque.data());
+  }
+}
+
+void PosedBody::showLoad() {
+  const int load = bodyId(m_.get(), kLoad);
+  if (load < 0) return;
+  const bool carried = activity_.load > 0;
+  Vector3d p(d_->xpos + 3 * bodyId(m_.get(), "pelvis"));
+  if (carried) p = loadPoint(activity_);
+  if (activity_.load_in_hands) p.z() -= kCrate.z();
+  mju_copy3(d_->mocap_pos + 3 * m_->body_mocapid[load], p.data());
+  m_->geom_rgba[4 * m_->body_geomadr[load] + 3] = carried;
+}
+
+void PosedBody::settle() {
+  mjModel* m = m_.get();
+  mjData* d = d_.get();
+  const int ndisc = static_cast<int>(anatomy_.discs.size());
+  std::vector<double> before(ndisc, 0);
+  const int chunk = static_cast<int>(std::lround(0.1 / kStep));
+  const double start = d->time;
+  for (bool rest = false; !rest;) {
+    if (d->time - start > kLongest) {
+      throw Error(fmt::format("{}: not at rest after {} s", activity_.name, kLongest));
+    }
+    for (int i = 0; i < chunk; i++) {
+      applyLoad();
+      mj_step(m, d);
+    }
+    const std::string warning = firstWarning(d);
+    if (!warning.empty()) throw Error(fmt::format("{}: {}", activity_.name, warning));
+    rest = true;
+    for (int i = 0; i < ndisc; i++) {
+      const double p = torso_discNucleusPressure(m, d, i);
+      rest &= std::abs(p - before[i]) < kRestPressure + kRestShare * std::abs(p);
+      before[i] = p;
+    }
+  }
+  showLoad();
+  mj_forward(m, d);
+}
+
+}  // namespace torso::tools

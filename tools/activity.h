@@ -1,0 +1,72 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Activities whose disc pressure was measured, and the postures they are simulated in.
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "model/anatomy.h"
+#include "model/skeleton.h"
+#include "tools/mujoco_support.h"
+
+namespace torso::tools {
+
+enum class Held { kFeet, kSeat, kBed };
+
+// A row of activities.csv, which says what is what. Angles in radians, lengths in metres.
+struct Activity {
+  std::string name, title;
+  Held held;
+  Eigen::Vector3d gravity;  // unit
+  double thorax_pitch, lumbar_flexion, knee, upper_arm, forearm;
+  bool whole_body_leans;  // else the legs do; about the ankles, to balance
+  double load;            // [kg]
+  bool load_in_hands;
+  double load_distance;  // before the chest, if not in the hands
+  double pressure;       // measured in the nucleus of L4/L5 [Pa]
+};
+
+// Throws std::runtime_error that names file, line and column at fault.
+std::vector<Activity> readActivities(const std::string& folder);
+
+// A whole body with muscles that can be put into postures: pelvis, and feet or thorax and head, are
+// held where they are put, which spares the legs to balance and changes nothing for the spine. Arms
+// and legs are forty times as stiff as their servos, without limits, for they only have to carry;
+// the servos of the spine are as ever, but without limits.
+class PosedBody {
+ public:
+  // skeleton: of all bones. bones: folder of the bones' meshes, to be seen in
+  // pictures; empty: none. Throws Error.
+  PosedBody(const Anatomy& anatomy, const Skeleton& skeleton, const std::string& bones = "");
+
+  mjModel* model() { return m_.get(); }
+  mjData* data() { return d_.get(); }
+  double discArea(int disc) const;  // [m^2]
+  // Into the posture, at rest, muscles off; servos aim at it. Throws Error if no lean balances it.
+  void take(const Activity& activity);
+  // Step until pressures and moments stand still. Throws Error if MuJoCo warns or they do not.
+  void settle();
+
+ private:
+  struct Posture {
+    double shin, thigh, pelvis, thorax, lumbar, upper_arm, forearm;  // pitches in the room, lumbar:
+                                                                     // flexion [rad]
+  };
+  Posture leaning(const Activity& activity, double lean) const;
+  void pose(const Posture& posture);
+  Eigen::Vector3d loadPoint(const Activity& activity) const;
+  double balance(const Activity& activity);
+  void applyLoad();
+  void showLoad();
+
+  const Anatomy& anatomy_;
+  ModelPtr m_;
+  DataPtr d_;
+  Activity activity_;
+  std::vector<double> lumbar_shares_;  // of T12/L1 .. L5/S1, from below
+  double relaxed_balance_ = 0;         // centre of mass before the feet, standing relaxed [m]
+};
+
+}  // namespace torso::tools

@@ -1,0 +1,61 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "tools/pressure_plots.h"
+
+#include <fmt/format.h>
+
+#include "tools/files.h"
+#include "tools/renderer.h"
+
+namespace torso::tools {
+
+void writePressurePlot(const std::string& folder, const std::string& disc,
+                       const std::vector<ActivityLoads>& all) {
+  makeFolder(folder);
+  std::string table = "activity,measured_mpa,servos_mpa,muscles_mpa,muscles_area_of_subject_mpa\n";
+  bool muscles = false;
+  for (const ActivityLoads& loads : all) {
+    const auto mpa = [](double pascal) { return fmt::format("{:.4f}", pascal / 1e6); };
+    table += fmt::format("{},{},{}", loads.activity.title, mpa(loads.activity.pressure),
+                         mpa(loads.servos.at(disc).nucleus_pressure));
+    if (!loads.muscles.discs.empty()) {
+      muscles = true;
+      const DiscLoad& with = loads.muscles.at(disc);
+      table += "," + mpa(with.nucleus_pressure) + "," + mpa(with.pressureOnSubjectsArea());
+    } else {
+      table += ",,";
+    }
+    table += "\n";
+  }
+  writeFile(folder + "/pressure.csv", table);
+  std::string script = fmt::format(
+      "# Draws the table beside it: gnuplot pressure.gp\n"
+      "set terminal pngcairo size 1300,750 font 'sans,12'\nset output 'pressure.png'\n"
+      "set datafile separator ','\nset title 'Pressure in the nucleus of {}; in vivo: Wilke et al. "
+      "1999, 2001, one man'\n"
+      "set style data histogram\nset style histogram clustered gap 1\nset style fill solid 0.9 "
+      "noborder\nset boxwidth 0.9\n"
+      "set ylabel 'pressure [MPa]'\nset yrange [0:*]\nset grid ytics lc rgb 'gray60'\n"
+      "set xtics rotate by -25\nset key left top\nset rmargin 16\n"
+      "plot 'pressure.csv' skip 1 using 2:xtic(1) lc rgb '#c0392b' title 'in vivo', \\\n"
+      "  '' skip 1 using 3 lc rgb '#a9c4e4' title 'ours, servos only'",
+      disc);
+  if (muscles) {
+    script +=
+        ", \\\n  '' skip 1 using 4 lc rgb '#1b3a6b' title 'ours, muscles', \\\n"
+        "  '' skip 1 using 5 lc rgb '#4f81bd' title 'ours, muscles, disc of the subject''s area'";
+  }
+  writeFile(folder + "/pressure.gp", script + "\n");
+}
+
+void writePosture(const std::string& path, PosedBody& body) {
+  constexpr int kWidth = 700, kHeight = 900;
+  mjvOption option;
+  mjv_defaultOption(&option);
+  setVisible(option, "ligaments", false);
+  const mjvCamera camera = frameBodies(body.model(), {body.data()}, option, 115, -6,
+                                       static_cast<double>(kWidth) / kHeight);
+  Renderer renderer(body.model(), kWidth, kHeight);
+  writeFile(path, renderer.png(body.data(), option, camera));
+}
+
+}  // namespace torso::tools

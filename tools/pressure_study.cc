@@ -1,0 +1,83 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include "tools/pressure_study.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/muscle.h"
+#include "model/muscle_stress.h"
+#include "tools/error.h"
+
+namespace torso::tools {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double kSmallMoment = 1, kStill = 0.1;  // [Nm]
+constexpr int kMaxRounds = 8;
+
+Loading loading(PosedBody& body, const MuscleMoments& moments) {
+  const mjModel* m = body.model();
+  const mjData* d = body.data();
+  Loading result;
+  for (int i = 0; torso_discName(m, i); i++) {
+    DiscLoad load;
+    load.disc = torso_discName(m, i);
+    load.nucleus_pressure = kUnloadedPressure + torso_discNucleusPressure(m, d, i);
+    load.surface_pressure = torso_discPressure(m, d, i);
+    Vector3d force, moment, point, origin;
+    mjtNum axes[9];
+    torso_discWrench(m, d, i, force.data(), moment.data(), point.data());
+    torso_discFrame(m, d, i, origin.data(), axes);
+    load.compression = force.dot(Vector3d(axes[2], axes[5], axes[8]));  // on the upper bone
+    load.area = body.discArea(i);
+    result.discs.push_back(load);
+  }
+  const VectorXd servos = moments.servoMoments(d);
+  for (Eigen::Index k = 0; k < servos.size(); k += 3) result.servo_moments.push_back(servos[k + 1]);
+  return result;
+}
+
+}  // namespace
+
+const DiscLoad& Loading::at(const std::string& disc) const {
+  for (const DiscLoad& load : discs) {
+    if (load.disc == disc) return load;
+  }
+  throw Error("the model has no disc " + disc);
+}
+
+ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
+                              const Activity& activity, bool muscles) {
+  const mjModel* m = body.model();
+  mjData* d = body.data();
+  ActivityLoads result;
+  result.activity = activity;
+  body.take(activity);
+  body.settle();
+  result.servos = loading(body, moments);
+  if (!muscles) return result;
+
+  const VectorXd sections = moments.sections();
+  double before = moments.servoMoments(d).lpNorm<Eigen::Infinity>();
+  for (int round = 0; round < kMaxRounds; round++) {
+    const Eigen::MatrixXd arms = moments.arms(d);
+    const VectorXd demand = moments.servoMoments(d) + arms * moments.tensions(d);
+    moments.setTensions(d, leastStressForces(arms, demand, sections, kLargestMuscleStress));
+    body.settle();
+    const double now = moments.servoMoments(d).lpNorm<Eigen::Infinity>();
+    if (now < kSmallMoment || std::abs(now - before) < kStill) break;
+    before = now;
+  }
+  result.muscles = loading(body, moments);
+  const VectorXd tensions = moments.tensions(d);
+  result.largest_stress = tensions.cwiseQuotient(sections).maxCoeff();
+  for (std::size_t i = 0; i < moments.muscles().size(); i++) {
+    const std::string name = nameOf(m, mjOBJ_ACTUATOR, moments.muscles()[i]);
+    result.group_force[name.substr(0, name.find('_'))] += tensions[i];
+  }
+  return result;
+}
+
+}  // namespace torso::tools
