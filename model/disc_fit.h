@@ -12,12 +12,11 @@ namespace torso {
 
 constexpr double kDiscReach = 2.5e-3;  // how far a face may be from the bone, tables' size [m]
 
-// Moves the faces of a disc of makeDiscMesh onto the bones, each node to a tenth of `reach` [m] from
-// the nearest place of the surface, or out of the bone along the disc's axis, if that is within
-// `reach`, and what lies between in proportion.
-// Topology and mirror symmetry stay. frame: of the disc; lower, upper: bones at rest, mirror
-// symmetric; all in the standing body. Throws std::runtime_error if an element would turn inside
-// out.
+// Moves the faces of a disc of makeDiscMesh onto the bones, each node to a tenth of `reach` [m]
+// from the nearest place of the surface, or out of the bone along the disc's axis, if that is
+// within `reach`, and what lies between in proportion. Topology and mirror symmetry stay. frame: of
+// the disc; lower, upper: bones at rest, mirror symmetric; all in the standing body. Throws
+// std::runtime_error if an element would turn inside out.
 void fitDiscFaces(const Eigen::Isometry3d& frame, const MeshTree& lower, const MeshTree& upper,
                   double reach, DiscMesh* mesh);
 

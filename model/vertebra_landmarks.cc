@@ -78,7 +78,8 @@ class Finder {
     height_ = height;
   }
 
-  // The widest of a few cuts close under the endplate, in front of the pedicles.
+  // The widest of a few cuts close under the endplate, but below its rounded edge and the roots of
+  // uncinate processes, in front of the pedicles.
   double endplateWidth(const Landmark& plate, double height, double depth) const {
     Isometry3d X = Isometry3d::Identity();
     X.linear() =
@@ -86,7 +87,7 @@ class Finder {
     X.translation() = plate.centre;
     const TriMesh local = transformed(mesh_, X.inverse());
     double widest = 0;
-    for (double share : {0.05, 0.08, 0.11, 0.14}) {
+    for (double share : {0.09, 0.11, 0.14}) {
       for (const Outline& o : section(local, 2, -share * height)) {
         if (!contains(o, Vector2d(0.1 * depth, 0))) continue;
         double left = 0, right = 0;

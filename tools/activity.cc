@@ -28,8 +28,8 @@ constexpr int kLumbarLevels = 6;  // L5/S1 .. T12/L1
 // At rest: pressures change by less than this over a tenth of a second.
 constexpr double kRestPressure = 1e3, kRestShare = 2e-3, kLongest = 6;  // [Pa], -, [s]
 
-// Each pair of ribs between rib cage and spine, in place of the models' bushings, which are soft for
-// the sake of large steps and let the cage give way by centimetres under what the arms hold: 24
+// Each pair of ribs between rib cage and spine, in place of the models' bushings, which are soft
+// for the sake of large steps and let the cage give way by centimetres under what the arms hold: 24
 // costovertebral joints of 20 N/mm (28 N for 1.1 - 1.6 mm: J Biomech 163:111923, 2024) at ten
 // places. Stiffness and damping [N/m, Ns/m, Nm/rad, Nms/rad].
 constexpr const char* kCostalBushing = "4.8e4 960 5 1";

@@ -171,7 +171,8 @@ void writePlots(const std::string& folder, const Anatomy& anatomy, const WholeSp
       "set terminal pngcairo size 1500,1500 font 'sans,13'\nset output 'whole_spine.png'\n"
       "set datafile separator ','\nset grid lc rgb 'gray80'\nset style fill solid 0.15 noborder\n"
       "set multiplot layout 4,1 title 'Whole-spine motion: red, published; blue, ours'\n"
-      "set xtics rotate by -35\nset ylabel 'angle [deg]'\nset yrange [0:*]\nset key outside right\n";
+      "set xtics rotate by -35\nset ylabel 'angle [deg]'\nset yrange [0:*]\nset key outside "
+      "right\n";
   int column = 2;
   for (const Motion motion : kMotions) {
     script += fmt::format(

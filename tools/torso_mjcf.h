@@ -23,11 +23,11 @@ struct MjcfOptions {
   bool limbs = false;  // arms and legs too
   bool scene = false;  // include scene.xml
   TorsoKind kind = TorsoKind::kDetailed;
-  std::string prefix;               // put before every name
-  double mesh_scale = 1;            // of the bone meshes, which are made at the size of the tables
+  std::string prefix;     // put before every name
+  double mesh_scale = 1;  // of the bone meshes, which are made at the size of the tables
   std::map<std::string, double> limb_scale;  // on top of it, by segment ("thigh"), as withLimbs'
-  std::string mesh_dir = "assets";  // where they are, relative to the MJCF
-  const OwnBones* own = nullptr;    // in place of generated bones, facets and ligaments
+  std::string mesh_dir = "assets";           // where they are, relative to the MJCF
+  const OwnBones* own = nullptr;             // in place of generated bones, facets and ligaments
   // Bones that discs, ligaments and facets are fitted to, of this anatomy; null: they are left
   // where the tables have them, some millimetres off the surfaces. Outlives the call.
   const Skeleton* skeleton = nullptr;

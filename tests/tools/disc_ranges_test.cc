@@ -21,15 +21,12 @@ TEST(DiscRanges, EveryDiscIsInsideThePublishedRanges) {
   const Anatomy anatomy = Anatomy::load(TORSO_ANATOMY_DIR);
   // Cervical discs: bending as stiff as Moroney et al. 1988 measured (joints of the uncinate
   // processes included, which these discs have not) asks for more shear stiffness than they
-  // measured. And the materials were fitted to discs with plane faces; between the bones' hollow
-  // endplates they bend a little more easily.
+  // measured, and for more fibre than torsion allows.
   const std::set<std::string> exceptions = {
-      "T3/T4 flexion",         "T2/T3 flexion",   "T1/T2 flexion",
-      "T1/T2 extension",       "C7/T1 extension", "C6/C7 extension",
-      "C5/C6 posterior_shear", "C5/C6 extension", "C4/C5 anterior_shear",
-      "C4/C5 posterior_shear", "C4/C5 extension", "C3/C4 anterior_shear",
-      "C3/C4 posterior_shear", "C3/C4 extension", "C2/C3 anterior_shear",
-      "C2/C3 posterior_shear", "C2/C3 extension"};
+      "C6/C7 extension",       "C5/C6 posterior_shear", "C5/C6 extension",
+      "C5/C6 axial_torsion",   "C4/C5 posterior_shear", "C4/C5 extension",
+      "C3/C4 posterior_shear", "C3/C4 extension",       "C3/C4 lateral_bending",
+      "C2/C3 posterior_shear", "C2/C3 extension",       "C2/C3 axial_torsion"};
   const Skeleton skeleton =
       tools::readSkeleton(anatomy, TORSO_MJCF "/assets", tools::spineBodies(anatomy));
   int tests = 0;
