@@ -1,23 +1,17 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "tools/clip.h"
 #include "tools/commands.h"
 #include "tools/error.h"
 #include "tools/files.h"
 #include "tools/paths.h"
-#include "tools/progress_bar.h"
-#include "tools/retarget.h"
-#include "tools/role.h"
-#include "tools/temporary_skeleton.h"
+#include "tools/retrofit_batch.h"
+#include "tools/retrofit_clip.h"
 
 namespace torso::tools {
 namespace {
@@ -25,61 +19,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::vector<std::string> clips;
-  std::string output, map, write_map, anatomy;
-  double rate = 0;
+  RetrofitBatch batch;
+  std::string map, write_map, anatomy;
   bool explain = false, json = false;
 };
-
-double percentile(std::vector<double> values, double share) {
-  const auto at =
-      values.begin() + static_cast<long>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
-Json describe(const Clip& clip, const Performer& performer, const Targets& targets,
-              const Retargeted& result, const Roles& roles, double seconds) {
-  const HeldMotion& motion = result.motion;
-  const auto rounded = [](double x) { return std::round(x * 1e4) / 1e4; };
-  std::vector<double> mm, degrees;
-  size_t flagged = 0;
-  for (size_t f = 0; f < motion.frames(); f++) {
-    mm.push_back(1e3 * motion.position_errors[f]);
-    degrees.push_back(motion.rotation_errors[f] * 180 / M_PI);
-    flagged += !motion.flags[f].empty();
-  }
-  Json parts = Json::array();
-  for (const RecognisedPart& part : roles.recognised) {
-    parts.push_back({{"part", part.part},
-                     {"joints", part.bodies},
-                     {"sureness", part.sureness},
-                     {"reason", part.reason}});
-  }
-  std::vector<std::string> notes = performer.notes, missing;
-  notes.insert(notes.end(), targets.notes.begin(), targets.notes.end());
-  for (size_t b = 0; b < heldBodies().size(); b++) {
-    if (!targets.has[b]) missing.push_back(heldBodies()[b]);
-  }
-  return {{"clip", motion.name},
-          {"file", clip.path},
-          {"frames", motion.frames()},
-          {"rate_hz", rounded(motion.rate)},
-          {"unit_m", performer.unit},
-          {"stature_m", rounded(performer.anatomy.stature())},
-          {"torso_scale", rounded(performer.torso_scale)},
-          {"limb_scale", performer.limb_scale},
-          {"parts", parts},
-          {"kept_at_rest", missing},
-          {"notes", notes},
-          {"position_error_mm",
-           {{"median", rounded(percentile(mm, 0.5))}, {"p95", rounded(percentile(mm, 0.95))}}},
-          {"rotation_error_deg",
-           {{"median", rounded(percentile(degrees, 0.5))},
-            {"p95", rounded(percentile(degrees, 0.95))}}},
-          {"frames_flagged", flagged},
-          {"seconds", rounded(seconds)}};
-}
 
 void explain(const Json& clip) {
   fmt::print("{}\n", clip["clip"].get<std::string>());
@@ -104,159 +47,130 @@ void explain(const Json& clip) {
   }
 }
 
-void print(const Json& clip) {
-  fmt::print("{:<44} {:>6} {:>7.4g} {:>8.2f} {:>8.2f} {:>7.2f} {:>7.2f} {:>7} {:>7.2f}\n",
-             clip["clip"].get<std::string>(), clip["frames"].get<size_t>(),
-             clip["rate_hz"].get<double>(), clip["position_error_mm"]["median"].get<double>(),
-             clip["position_error_mm"]["p95"].get<double>(),
-             clip["rotation_error_deg"]["median"].get<double>(),
-             clip["rotation_error_deg"]["p95"].get<double>(), clip["frames_flagged"].get<size_t>(),
-             clip["seconds"].get<double>());
+void print(const Json& row) {
+  if (row.contains("error")) return;  // told on stderr
+  const auto number = [&](const char* key, const char* of) { return row[key][of].get<double>(); };
+  fmt::print(
+      "{:<40} {:>6} {:>7.2f} {:>7.2f} {:>6.2f} {:>7.2f} {:>6.2f} {:>6.2f} {:>5.2f}  {:>4} {}\n",
+      row["clip"].get<std::string>(), row["frames"].get<size_t>(), row["seconds"].get<double>(),
+      row["core_seconds"].get<double>(), row["core_s_per_s"].get<double>(),
+      number("held_error_mm", "median"), number("held_error_mm", "p95"),
+      number("held_error_deg", "median"), number("held_error_deg", "p95"),
+      row["frames_flagged"].get<size_t>(), row["flags"].get<std::string>());
 }
 
-// The temporary skeleton's motion: time [s] and qpos, a row for each frame.
-std::string motionCsv(const Retargeted& result) {
-  std::string text = "time";
-  for (size_t k = 0; k < result.qpos.front().size(); k++) text += fmt::format(",qpos{}", k);
-  text += "\n";
-  for (size_t f = 0; f < result.qpos.size(); f++) {
-    text += fmt::format("{:.6f}", static_cast<double>(f) / result.motion.rate);
-    for (double x : result.qpos[f]) text += fmt::format(",{:.8g}", x);
-    text += "\n";
-  }
-  return text;
-}
-
-// The directions of the limbs' long bones, ours against the clip's own joints: independent of how
-// the targets were made [deg].
-std::vector<double> directionErrors(const Clip& world, const Roles& roles,
-                                    const HeldMotion& motion) {
-  std::vector<double> errors;
-  const auto ours = [&](size_t f, int body) {
-    return Eigen::Vector3d(motion.positions[f * motion.bodies.size() + body].data());
-  };
-  const auto compare = [&](int side, LimbBody from, LimbBody to, int joint, int next) {
-    if (joint < 0 || next < 0) return;
-    for (size_t f = 0; f < motion.frames(); f++) {
-      const Eigen::Vector3d a = ours(f, heldBody(side, to)) - ours(f, heldBody(side, from));
-      const Eigen::Vector3d b =
-          world.pose(f, next).translation() - world.pose(f, joint).translation();
-      errors.push_back(std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI);
+// Only what the clips' joints are.
+Json recognise(const Options& options, const Anatomy& tables) {
+  Json rows = Json::array();
+  for (const std::string& file : clipFiles(options.batch.inputs)) {
+    std::vector<std::string> errors;
+    const std::string stem = std::filesystem::path(file).stem().string();
+    for (const Person& person :
+         readPersons(file, stem, options.batch.rate, options.batch.map, &errors)) {
+      try {
+        rows.push_back(describePerson(tables, person));
+      } catch (const Error& e) {
+        errors.push_back(e.what());
+        continue;
+      }
+      if (!options.write_map.empty()) {
+        writeFile(options.write_map,
+                  writePartMap(mapOf(person.clip, person.roles), roleMapParts()));
+      }
     }
-  };
-  for (int k = 0; k < 2; k++) {
-    compare(k, kUpperArm, kLowerArm, roles.upper_arm[k], roles.lower_arm[k]);
-    compare(k, kLowerArm, kHand, roles.lower_arm[k], roles.hand[k]);
-    compare(k, kThigh, kShin, roles.thigh[k], roles.shin[k]);
-    compare(k, kShin, kFoot, roles.shin[k], roles.foot[k]);
+    for (const std::string& e : errors) rows.push_back({{"file", file}, {"error", e}});
   }
-  return errors;
+  return rows;
 }
 
-void retrofitPerson(const Options& options, const Anatomy& tables, const Clip& clip,
-                    const Roles& roles, const std::string& name, Json& report) {
-  const auto start = std::chrono::steady_clock::now();
-  const Performer performer = measurePerformer(tables, clip, roles);
-  const Clip world = inWorld(clip, performer);
-  const Targets targets = makeTargets(world, roles, performer);
-  const Retargeted result = solveMotion(targets, performer, name, clip.rate);
-  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
-  Json line = describe(clip, performer, targets, result, roles, time.count());
-  const std::vector<double> directions = directionErrors(world, roles, result.motion);
-  if (!directions.empty()) {
-    line["limb_direction_error_deg"] = {{"median", percentile(directions, 0.5)},
-                                        {"p95", percentile(directions, 0.95)}};
+void run(Options options) {
+  RetrofitBatch& batch = options.batch;
+  const bool only_recognise = batch.output.empty();
+  if (only_recognise && !options.explain && options.write_map.empty()) {
+    throw Error(
+        "give a folder to write into, -o DIR (or --explain, to see what a clip's joints "
+        "are taken for)");
   }
-  if (!options.write_map.empty()) {
-    writeFile(options.write_map, writePartMap(mapOf(clip, roles), roleMapParts()));
+  if (!only_recognise && !options.write_map.empty()) {
+    throw Error("--write-map goes without -o: correct the map, then give it with --map");
   }
-  if (!options.output.empty()) {
-    writeFiles(
-        {{options.output + "/" + name + "_temporary.xml",
-          temporarySkeletonMjcf(performer.anatomy, mjcfFolder() + "/assets", performer.limb_scale)},
-         {options.output + "/" + name + "_temporary.csv", motionCsv(result)}});
-  }
-  const bool first = std::none_of(report.begin(), report.end(),
-                                  [](const Json& other) { return other.contains("clip"); });
-  report.push_back(line);
-  if (options.json) return;
-  if (first) {
-    fmt::print("{:<44} {:>6} {:>7} {:>17} {:>15} {:>7} {:>7}\n", "clip", "frames", "Hz",
-               "position [mm]", "rotation [deg]", "flagged", "time");
-  }
-  if (options.explain) explain(line);
-  print(line);
-}
+  if (!only_recognise) checkFolder(batch.output);
+  if (clipFiles(batch.inputs).empty()) throw Error("there is no clip in the folders given");
+  if (!options.map.empty()) batch.map = readPartMap(options.map, roleMapParts());
+  const Anatomy tables = Anatomy::load(options.anatomy.empty() ? anatomyFolder() : options.anatomy);
 
-// Each person of each take; what fails does not stop the others. Returns how many went through.
-int retrofit(const Options& options, const Anatomy& tables, Json& report) {
-  const PartMap map = options.map.empty() ? PartMap() : readPartMap(options.map, roleMapParts());
-  int done = 0;
-  const auto attempt = [&](const std::string& path, const auto& work) {
-    try {
-      work();
-    } catch (const Error& e) {
-      fmt::print(stderr, "torso retrofit: {}\n", e.what());
-      report.push_back({{"file", path}, {"error", e.what()}});
+  const Json rows = only_recognise ? recognise(options, tables) : retrofitBatch(tables, batch);
+  if (options.json) {
+    std::cout << rows.dump(2) << '\n';
+  } else {
+    for (const Json& row : rows) {
+      if (options.explain && !row.contains("error")) explain(row);
     }
-  };
-  for (const std::string& path : options.clips) {
-    std::vector<Clip> takes;
-    attempt(path, [&] { takes = readClips(path); });
-    for (Clip& take : takes) {
-      attempt(path, [&] {
-        const Clip clip = options.rate > 0 ? resampled(take, options.rate) : std::move(take);
-        const std::vector<Roles> persons = findRoles(clip, map);
-        for (size_t k = 0; k < persons.size(); k++) {
-          const std::string name =
-              clip.name + (persons.size() > 1 ? fmt::format("_{}", k + 1) : "");
-          attempt(path, [&] {
-            retrofitPerson(options, tables, clip, persons[k], name, report);
-            done++;
-          });
-        }
-      });
+    if (!only_recognise) {
+      fmt::print("{:<40} {:>6} {:>7} {:>7} {:>6} {:>14} {:>12}  flagged frames\n", "clip", "frames",
+                 "s", "core-s", "/ s", "held, mm", "held, deg");
+      for (const Json& row : rows) print(row);
     }
   }
-  return done;
+  std::cout << std::flush;
+  size_t failed = 0;
+  for (const Json& row : rows) {
+    if (!row.contains("error")) continue;
+    failed++;
+    fmt::print(stderr, "torso retrofit: {}\n", row["error"].get<std::string>());
+  }
+  if (failed == rows.size()) throw Error("no clip could be used");
+  if (failed) throw Error(fmt::format("{} failed, {} went through", failed, rows.size() - failed));
 }
 
 }  // namespace
 
 void addRetrofit(CLI::App& app) {
   auto options = std::make_shared<Options>();
+  RetrofitBatch& batch = options->batch;
   CLI::App* command = app.add_subcommand(
       "retrofit", "Recover spine and shoulder motion from motion capture clips.");
   command->footer(
-      "Reads BVH, FBX, glTF and GLB with a human skeleton of any names, unit and axes. A clip "
-      "that\n"
-      "cannot be used is reported and does not stop the others. Prints for each clip its frames\n"
-      "and rate [Hz], how far held bones are from the clip's [mm, degrees; median and 95 % over\n"
-      "frames of the bone that is worst in each], frames flagged and seconds of work.\n\n"
+      "Reads BVH, FBX, glTF and GLB with a human skeleton of any names, unit and axes. Writes for\n"
+      "each clip\n"
+      "  NAME.csv, NAME.bin   the motion of all bones, for torso view and render --motion\n"
+      "  NAME.xml             the body in the person's size, for the same\n"
+      "  NAME.bvh, NAME.glb   the motion for other programs; GLB has the bones' meshes\n"
+      "  NAME_readouts.csv    turns, disc pressures, ligaments, facets and flags of each frame\n"
+      "  NAME.json            the report on a file, and the mark that it is done\n"
+      "and summary.csv. What is done and newer than its clip is skipped: after Ctrl-C the same\n"
+      "command goes on where it was. What fails is reported and does not stop the others; the "
+      "exit\n"
+      "status is 0 if all went through, else 1.\n\n"
+      "The table: frames, seconds of motion, core-seconds of work and both divided; how far held\n"
+      "bones (head, upper arms) are from where the clip has them, median and 95 % over frames of\n"
+      "the worst bone; frames flagged, and why.\n\n"
       "Examples:\n"
       "  torso retrofit walk.bvh -o out\n"
-      "  torso retrofit *.fbx --rate 30 -o out\n"
+      "  torso retrofit clips/ --jobs 4 -o out\n"
+      "  torso render out/walk.xml --motion out/walk.bin --video walk.mp4\n"
       "  torso retrofit odd.glb --explain --write-map map.json   what is taken for what, and why\n"
       "  torso retrofit odd.glb --map map.json -o out            with that corrected");
-  command->add_option("clips", options->clips, "Motion capture files")->required();
-  command->add_option("-o,--output", options->output, "Folder to write into");
+  command->add_option("CLIP", batch.inputs, "Motion capture files, or folders of them")->required();
+  command->add_option("-o,--output", batch.output, "Folder to write into");
+  command->add_option("--jobs", batch.jobs, "Clips worked on at a time")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command
+      ->add_option("--rate", batch.rate,
+                   "Frames per second [Hz] (default: the clip's own, but at most 30)")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--again", batch.again, "Also what is done already");
   command->add_option("--map", options->map, "JSON file that says which joint is what");
   command->add_option("--write-map", options->write_map,
                       "Write what was recognised to this file, to be edited for --map");
-  command->add_option("--rate", options->rate, "Frames per second [Hz] (default: the clip's own)")
-      ->check(CLI::PositiveNumber);
   command->add_flag("--explain", options->explain, "Say what was recognised and why");
+  command->add_flag("--temporary", batch.temporary,
+                    "Also write NAME_temporary.xml and .csv: the skeleton that the clip is put on "
+                    "before its torso is filled in");
   command->add_option("--anatomy", options->anatomy, "Folder of the anatomy tables");
   command->add_flag("--json", options->json, "Print the report as JSON on stdout");
-  command->callback([options] {
-    if (!options->output.empty()) checkFolder(options->output);
-    const Anatomy tables =
-        Anatomy::load(options->anatomy.empty() ? anatomyFolder() : options->anatomy);
-    Json report = Json::array();
-    const int done = retrofit(*options, tables, report);
-    if (options->json) std::cout << report.dump(2) << '\n';
-    if (done == 0) throw Error("no clip could be used");
-  });
+  command->callback([options] { run(*options); });
 }
 
 }  // namespace torso::tools

@@ -55,12 +55,16 @@ std::string firstWarning(const mjData* d) {
   return "";
 }
 
+// MuJoCo 2.2.2 keeps the model that it parsed last in a global variable.
+static std::mutex parser_mutex;
+
 ModelPtr loadModel(const std::string& path) {
   if (!std::filesystem::exists(path))
     throw Error(path + ": no such file; give the path of a model");
   if (!std::filesystem::is_regular_file(path)) throw Error(path + ": not a file");
   char error[1000] = "";
   ModelPtr m;
+  const std::lock_guard<std::mutex> lock(parser_mutex);
   try {
     if (std::filesystem::path(path).extension() == ".mjb") {
       m.reset(mj_loadModel(path.c_str(), nullptr));
@@ -92,6 +96,7 @@ ModelPtr compileModel(const std::string& mjcf, const std::string& name) {
   std::copy(mjcf.begin(), mjcf.end(), static_cast<char*>(files->vfs.filedata[slot]));
   char error[1000] = "";
   ModelPtr m;
+  const std::lock_guard<std::mutex> lock(parser_mutex);
   try {
     m.reset(mj_loadXML(file.c_str(), &files->vfs, error, sizeof(error)));
     if (!m) throw Error(*error ? error : "not a model");

@@ -31,9 +31,9 @@ std::vector<std::string> takeWarnings();
 // What MuJoCo has warned of in d since its reset, the first kind of warning; "" if nothing.
 std::string firstWarning(const mjData* d);
 
-// Load a model from MJCF, URDF or MJB. Throws Error "<path>: ..." if it cannot.
+// Load a model from MJCF, URDF or MJB. Thread-safe. Throws Error "<path>: ..." if it cannot.
 ModelPtr loadModel(const std::string& path);
-// The same from the text of an MJCF file without other files; messages begin with `name`.
+// The same from the text of an MJCF file that includes no other; messages begin with `name`.
 ModelPtr compileModel(const std::string& mjcf, const std::string& name);
 // Throws Error if there is not enough memory.
 DataPtr makeData(const mjModel* m);

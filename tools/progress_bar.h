@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <iostream>
 #include <string>
 
@@ -23,11 +24,23 @@ class ProgressBar {
     if (!terminal_) return;
     constexpr int kWidth = 40;
     const int filled = static_cast<int>(share * kWidth);
-    std::cerr << fmt::format("\r[{:<{}}] {:3.0f} %", std::string(filled, '='), kWidth, 100 * share)
+    std::cerr << fmt::format("\r[{:<{}}] {:3.0f} %{}\033[K", std::string(filled, '='), kWidth,
+                             100 * share, timeLeft(share))
               << std::flush;
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  // Worth telling after 5 s.
+  std::string timeLeft(double share) const {
+    const double past = std::chrono::duration<double>(Clock::now() - start_).count();
+    if (past < 5 || share <= 0) return "";
+    const int left = static_cast<int>(past * (1 - share) / share);
+    return fmt::format("  {}:{:02} left", left / 60, left % 60);
+  }
+
+  const Clock::time_point start_ = Clock::now();
   bool terminal_;
 };
 

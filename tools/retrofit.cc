@@ -26,6 +26,8 @@ constexpr double kAtRest = 1e-5;  // [rad] a step
 // Of the holds in a step: one that moves faster gets more steps, up to so many a frame.
 constexpr double kStride = 0.005, kTurn = EIGEN_PI / 180;  // [m], [rad]
 constexpr int kMostSteps = 60;
+// After the holds have come to a frame, for as long as it would be flagged as not at rest.
+constexpr int kRest = 40;
 
 Isometry3d blend(const Isometry3d& a, const Isometry3d& b, double s) {
   return isometry(Quaterniond(a.linear()).slerp(s, Quaterniond(b.linear())),
@@ -118,7 +120,7 @@ void assemble(const mjModel* m, mjData* human, Equilibrium& torso, const Poses& 
 class Course {
  public:
   Course(Equilibrium& torso, const RetrofitOptions& options, double rate)
-      : torso_(torso), last_(torso.restPoses()) {
+      : torso_(torso), last_(torso.restPoses()), unrest_limit_(options.unrest) {
     least_ = std::max(2, static_cast<int>(std::lround(options.steps / rate)));
   }
 
@@ -132,7 +134,10 @@ class Course {
       steps = std::max(steps, static_cast<int>(move.translation().norm() / kStride));
       steps = std::max(steps, static_cast<int>(Eigen::AngleAxisd(move.linear()).angle() / kTurn));
     }
-    if (started_ && go(goal, up, std::min(steps, kMostSteps))) return true;
+    if (started_ && go(goal, up, std::min(steps, kMostSteps))) {
+      for (int i = 0; i < kRest && unrest_ > unrest_limit_; i++) unrest_ = torso_.step();
+      if (firstWarning(torso_.data()).empty()) return true;
+    }
     const bool lost = started_;
     started_ = true;
     torso_.reset();
@@ -161,6 +166,7 @@ class Course {
 
   Equilibrium& torso_;
   std::vector<Isometry3d> last_;
+  double unrest_limit_;  // RetrofitOptions::unrest
   Vector3d last_up_ = Vector3d::Zero();
   int least_;
   bool started_ = false;
