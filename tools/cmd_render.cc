@@ -68,7 +68,8 @@ void film(const Options& options, mjModel* m, const Motion& motion) {
 
 void render(Options options) {
   if (options.output.empty() == options.video.empty()) {
-    throw Error("give either -o PICTURE.png or, with --motion, --video FILM.mp4");
+    throw CLI::ValidationError("-o, --video",
+                               "give either -o PICTURE.png or, with --motion, --video FILM.mp4");
   }
   const ModelPtr m = loadModel(options.model);
   torsoOf(m.get(), options.model);

@@ -168,7 +168,7 @@ TEST(RangeOfMotion, IsInsideThePublishedRanges) {
       // No ligament is longest in rotation, and the facets face forward.
       "C7/T1 axial_rotation", "T10/T11 axial_rotation",
       // Facets of one shape for all lumbar levels: tighter ones would flex too little, and these
-      // hold L3/L4 and L4/L5 a tenth of a degree too early.
+      // hold L3/L4 and L4/L5 0.2 deg too early.
       "L5/S1 axial_rotation", "L4/L5 flexion", "L3/L4 flexion_extension"};
   const int threads = static_cast<int>(std::thread::hardware_concurrency());
   const RomReport report = measureRom(anatomy(), skeleton(), {}, {}, false, threads, [](double) {});

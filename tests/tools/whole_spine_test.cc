@@ -40,7 +40,8 @@ TEST(WholeSpine, FollowerLoadDoesNotBendTheSpine) {
   WholeSpine spine(anatomy(), skeleton());
   spine.stand(standingLoad(anatomy()));
   double sum = 0;
-  for (const auto& level : spine.load(standingLoad(anatomy()), 1).back().levels) {
+  const SpinePose end = spine.load(standingLoad(anatomy()), 1).back();
+  for (const auto& level : end.levels) {
     EXPECT_LT(level.norm(), 0.5 * kDegree);
     sum += level.y();
   }
