@@ -19,6 +19,9 @@
 #include "tools/mujoco_support.h"
 #include "tools/retarget.h"
 
+// Debian's assimp leaks when it gives a damaged file up; LeakSanitizer is to tell of our own leaks.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp"; }
+
 namespace torso::tools {
 namespace {
 
