@@ -7,6 +7,7 @@
 #include "model/body.h"
 #include "model/disc_bench.h"
 #include "model/disc_fit.h"
+#include "tests/tools/shipped_anatomy.h"
 #include "tools/bone_files.h"
 #include "tools/identify.h"
 #include "tools/rom_report.h"
@@ -16,16 +17,6 @@ namespace torso::tools {
 namespace {
 
 constexpr double kDegree = EIGEN_PI / 180;
-
-const Anatomy& anatomy() {
-  static const Anatomy a = Anatomy::load(TORSO_ANATOMY_DIR);
-  return a;
-}
-
-const Skeleton& skeleton() {
-  static const Skeleton s = readSkeleton(anatomy(), TORSO_MJCF "/assets", spineBodies(anatomy()));
-  return s;
-}
 
 const Disc& disc(const std::string& name) {
   for (const Disc& d : anatomy().discs) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tests/tools/shipped_anatomy.h"
 #include "tools/bone_files.h"
 #include "tools/shoulder_rhythm.h"
 
@@ -10,11 +11,6 @@ namespace torso::tools {
 namespace {
 
 constexpr double kDegree = EIGEN_PI / 180;
-
-const Anatomy& anatomy() {
-  static const Anatomy a = Anatomy::load(TORSO_ANATOMY_DIR);
-  return a;
-}
 
 const ShoulderReport& report() {
   static const ShoulderReport r = [] {

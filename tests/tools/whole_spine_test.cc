@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tests/tools/shipped_anatomy.h"
 #include "tools/ablation.h"
 #include "tools/bone_files.h"
 #include "tools/whole_spine_rom.h"
@@ -11,16 +12,6 @@ namespace torso::tools {
 namespace {
 
 constexpr double kDegree = EIGEN_PI / 180;
-
-const Anatomy& anatomy() {
-  static const Anatomy a = Anatomy::load(TORSO_ANATOMY_DIR);
-  return a;
-}
-
-const Skeleton& skeleton() {
-  static const Skeleton s = readSkeleton(anatomy(), TORSO_MJCF "/assets", spineBodies(anatomy()));
-  return s;
-}
 
 // The weight above L5/S1 is that of the body without pelvis and legs, and less with each level.
 TEST(SpineLoad, WeightAboveIsTheBodysLessLegsAndPelvis) {
