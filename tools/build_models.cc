@@ -17,12 +17,6 @@ std::string text(const tinyxml2::XMLDocument& document) {
   return printer.CStr();
 }
 
-std::string bodyText(const Anatomy& anatomy, const MjcfOptions& options) {
-  tinyxml2::XMLDocument document;
-  writeMjcf(anatomy, options, document);
-  return text(document);
-}
-
 // The person's own bones, and the others made.
 Skeleton skeletonOf(const Anatomy& anatomy, const std::vector<std::string>& bodies, int threads,
                     const std::function<void(double)>& progress, const OwnBones* own) {
@@ -56,10 +50,10 @@ Files buildModels(const Anatomy& anatomy, int threads, const std::function<void(
   files["scene.xml"] = text(scene);
   writeHeldScene(held);
   files["torso_held.xml"] = text(held);
-  files["torso.xml"] = bodyText(anatomy, torso);
-  files["human.xml"] = bodyText(anatomy, human);
+  files["torso.xml"] = mjcfText(anatomy, torso);
+  files["human.xml"] = mjcfText(anatomy, human);
   human.kind = TorsoKind::kFixed;
-  files["human_fixed.xml"] = bodyText(anatomy, human);
+  files["human_fixed.xml"] = mjcfText(anatomy, human);
   return files;
 }
 

@@ -18,11 +18,7 @@ std::string performerMjcf(const Anatomy& tables, const Performer& performer,
   options.mesh_scale = performer.torso_scale;
   options.limb_scale = performer.limb_scale;
   options.mesh_dir = mesh_dir;
-  tinyxml2::XMLDocument document;
-  writeMjcf(performer.anatomy, options, document);
-  tinyxml2::XMLPrinter printer;
-  document.Print(&printer);
-  return printer.CStr();
+  return mjcfText(performer.anatomy, options);
 }
 
 }  // namespace torso::tools

@@ -64,11 +64,7 @@ SegmentBench::SegmentBench(const Anatomy& anatomy, const Skeleton& skeleton,
   options.only = {options.anchored, bodyOfLevel(anatomy, disc.upper)};
   options.bones = false;
   options.skeleton = &skeleton;
-  tinyxml2::XMLDocument document;
-  writeMjcf(anatomy, options, document);
-  tinyxml2::XMLPrinter printer;
-  document.Print(&printer);
-  m_ = compileModel(printer.CStr(), "segment");
+  m_ = compileModel(mjcfText(anatomy, options), "segment");
   torsoOf(m_.get(), disc_name);
   mju_zero3(m_->opt.gravity);
   m_->opt.disableflags |= mjDSBL_ACTUATION;

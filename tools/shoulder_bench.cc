@@ -57,11 +57,7 @@ ShoulderBench::ShoulderBench(const Anatomy& anatomy, const Skeleton& skeleton)
   options.only = bodies();
   options.bones = false;
   options.skeleton = &skeleton;
-  tinyxml2::XMLDocument document;
-  writeMjcf(anatomy, options, document);
-  tinyxml2::XMLPrinter printer;
-  document.Print(&printer);
-  m_ = compileModel(printer.CStr(), "shoulder");
+  m_ = compileModel(mjcfText(anatomy, options), "shoulder");
   d_ = makeData(m_.get());
   const auto id = [&](mjtObj type, const std::string& name) {
     return mj_name2id(m_.get(), type, name.c_str());

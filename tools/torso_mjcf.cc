@@ -839,4 +839,12 @@ void writeMjcf(const Anatomy& anatomy, const MjcfOptions& options,
   Writer(anatomy, o, root).write();
 }
 
+std::string mjcfText(const Anatomy& anatomy, const MjcfOptions& options) {
+  tinyxml2::XMLDocument document;
+  writeMjcf(anatomy, options, document);
+  tinyxml2::XMLPrinter printer;
+  document.Print(&printer);
+  return printer.CStr();
+}
+
 }  // namespace torso::tools

@@ -50,6 +50,9 @@ std::vector<std::string> mjcfBodies(const Anatomy& anatomy, const MjcfOptions& o
 // ligaments as tuples "disc:L4/L5", "facet:L4/L5_left", "ligament:ALL_mid".
 void writeMjcf(const Anatomy& anatomy, const MjcfOptions& options, tinyxml2::XMLDocument& document);
 
+// The same as text.
+std::string mjcfText(const Anatomy& anatomy, const MjcfOptions& options);
+
 // Writes the floor, light and sky that human.xml includes.
 void writeScene(tinyxml2::XMLDocument& document);
 

@@ -43,11 +43,7 @@ WholeSpine::WholeSpine(const Anatomy& whole, const Skeleton& skeleton, const Spi
   if (parts.ribcage) options.only.push_back("ribcage");
   options.bones = false;
   options.skeleton = &skeleton;
-  tinyxml2::XMLDocument document;
-  writeMjcf(anatomy, options, document);
-  tinyxml2::XMLPrinter printer;
-  document.Print(&printer);
-  m_ = compileModel(printer.CStr(), "whole spine");
+  m_ = compileModel(mjcfText(anatomy, options), "whole spine");
   mju_zero3(m_->opt.gravity);
   m_->opt.disableflags |= mjDSBL_ACTUATION;
   for (int i = 0; i < m_->ntendon && !parts.ligaments; i++) m_->tendon_limited[i] = 0;
