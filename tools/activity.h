@@ -24,7 +24,7 @@ struct Activity {
   bool whole_body_leans;  // else the legs do; about the ankles, to balance
   double load;            // [kg]
   bool load_in_hands;
-  double load_distance;  // before the chest, if not in the hands
+  double load_distance;  // before the sternum, if not in the hands
   double pressure;       // measured in the nucleus of L4/L5 [Pa]
 };
 
@@ -33,8 +33,9 @@ std::vector<Activity> readActivities(const std::string& folder);
 
 // A whole body with muscles that can be put into postures: pelvis, and feet or thorax and head, are
 // held where they are put, which spares the legs to balance and changes nothing for the spine. Arms
-// and legs are forty times as stiff as their servos, without limits, for they only have to carry;
-// the servos of the spine are as ever, but without limits.
+// and legs are forty times as stiff as their servos, for they only have to carry; like those of
+// thorax and neck their servos correct their targets until the posture is the one asked for. Servos
+// of the lumbar spine are as ever. None have limits.
 class PosedBody {
  public:
   // skeleton: of all bones. bones: folder of the bones' meshes, to be seen in
@@ -43,9 +44,17 @@ class PosedBody {
 
   mjModel* model() { return m_.get(); }
   mjData* data() { return d_.get(); }
+  const mjData* data() const { return d_.get(); }
   double discArea(int disc) const;  // [m^2]
   // Into the posture, at rest, muscles off; servos aim at it. Throws Error if no lean balances it.
   void take(const Activity& activity);
+  // Pressure in the abdomen [Pa] from now on, until the next take(): pushes rib cage and pelvis
+  // apart between the centres of diaphragm and pelvic floor.
+  void pressurise(double pressure) { abdominal_pressure_ = pressure; }
+  // Its force on the rib cage [N], and where it acts, in the world.
+  Eigen::Vector3d abdominalForce() const;
+  Eigen::Vector3d diaphragm() const;
+  double lean() const { return lean_; }  // forwards, about the ankles, that balances the body [rad]
   // Step until pressures and moments stand still. Throws Error if MuJoCo warns or they do not.
   void settle();
 
@@ -58,15 +67,18 @@ class PosedBody {
   void pose(const Posture& posture);
   Eigen::Vector3d loadPoint(const Activity& activity) const;
   double balance(const Activity& activity);
-  void applyLoad();
+  void applyForces();
   void showLoad();
 
   const Anatomy& anatomy_;
   ModelPtr m_;
   DataPtr d_;
   Activity activity_;
+  std::vector<int> posture_servos_;    // all but those of the lumbar spine
+  std::vector<double> aims_;           // lengths of all actuators in the posture
   std::vector<double> lumbar_shares_;  // of T12/L1 .. L5/S1, from below
-  double relaxed_balance_ = 0;         // centre of mass before the feet, standing relaxed [m]
+  double abdominal_pressure_ = 0, lean_ = 0;
+  double relaxed_balance_ = 0;  // centre of mass before the feet, standing relaxed [m]
 };
 
 }  // namespace torso::tools

@@ -31,7 +31,7 @@ constexpr const char* kMeasuredDisc = "L4/L5";
 struct Options {
   std::vector<std::string> activities;
   std::string plot;
-  bool muscles = true, json = false, arms = false;
+  bool muscles = true, json = false, arms = false, explain = false;
 };
 
 Json describe(const Loading& loading) {
@@ -101,6 +101,34 @@ void print(const std::vector<ActivityLoads>& all, bool muscles) {
   }
 }
 
+// Where the compression comes from, beside what the measured pressure stands for.
+void explain(const std::vector<ActivityLoads>& all) {
+  fmt::print(
+      "\n{}: extending moments [Nm] that hold weight and load ({:s}), by muscles, pressure in the\n"
+      "abdomen, passive spine and servos; muscles' pull along the disc [N] and their arm [mm]\n"
+      "(published: erector spinae 50 - 66); compression [N] beside 0.66 x area x measured "
+      "pressure\n"
+      "(Nachemson 1960); nucleus pressure over compression per area (published 1.3 - 1.66)\n",
+      kMeasuredDisc, "ext");
+  fmt::print("{:<38}{:>6}{:>7}{:>7}{:>6}{:>6}{:>6}{:>6}{:>7}{:>5}{:>7}{:>8}{:>7}\n", "", "lean",
+             "ext", "muscle", "abd.", "[kPa]", "pass.", "servo", "pull", "arm", "force", "in vivo",
+             "ratio");
+  for (const ActivityLoads& loads : all) {
+    for (const Balance& b : loads.balance) {
+      if (b.disc != kMeasuredDisc) continue;
+      const DiscLoad& disc = loads.muscles.at(kMeasuredDisc);
+      fmt::print(
+          "{:<38}{:>6.1f}{:>7.0f}{:>7.0f}{:>6.1f}{:>6.1f}{:>6.1f}{:>6.1f}{:>7.0f}{:>5.0f}{:>7.0f}{:"
+          ">8.0f}{:>7.2f}\n",
+          loads.activity.title, loads.lean * 180 / EIGEN_PI, b.external, -b.muscles, -b.abdomen,
+          loads.abdominal_pressure / 1e3, -b.passive(), -b.servos, b.muscle_pull,
+          b.muscle_pull > 0 ? -1e3 * b.muscles / b.muscle_pull : 0, disc.compression,
+          0.66 * kSubjectsArea * loads.activity.pressure,
+          disc.nucleus_pressure * disc.area / disc.compression);
+    }
+  }
+}
+
 void printArms(const std::vector<MuscleArm>& arms) {
   fmt::print("moment arms, standing, one side, weighted by section [mm]; in brackets published\n");
   fmt::print("{:<20}{:<7}{:>28}{:>28}\n", "", "", "behind the disc (extension)",
@@ -158,6 +186,7 @@ void pressure(const Options& options) {
     std::cout << describe(results).dump(2) << '\n';
   } else {
     print(results, options.muscles);
+    if (options.explain) explain(results);
   }
 }
 
@@ -183,6 +212,9 @@ void addPressure(CLI::App& app) {
                     "Whether muscles take over from the servos (default: they do)");
   command->add_flag("--arms", options->arms,
                     "Print the muscles' moment arms beside published ones, and do no more");
+  command->add_flag(
+      "--explain", options->explain,
+      "Print what carries the moment at L4/L5, beside what the measurement stands for");
   command->add_option("--plot", options->plot,
                       "Write pictures of the postures and bars of the pressures into this folder");
   command->add_flag("--json", options->json, "Print JSON, with all discs and muscles");

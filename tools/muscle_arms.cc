@@ -14,7 +14,8 @@ std::vector<MuscleArm> measureArms(const Anatomy& anatomy, const std::string& fo
                                    const mjModel* m, const mjData* d,
                                    const MuscleMoments& moments) {
   static const std::set<std::string> kErectors = {"longissimus_thoracis", "iliocostalis_lumborum",
-                                                  "multifidus"};
+                                                  "spinalis_thoracis", "multifidus",
+                                                  "multifidus_thoracis"};
   std::map<std::string, std::string> groups;  // by actuator on the left
   for (const Muscle& muscle : anatomy.muscles) {
     groups[muscle.name + "_left"] = kErectors.count(muscle.group) ? "erector_spinae" : muscle.group;

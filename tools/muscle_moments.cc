@@ -62,8 +62,8 @@ VectorXd MuscleMoments::sections() const {
   return s;
 }
 
-MatrixXd MuscleMoments::arms(const mjData* d) const {
-  MatrixXd A = MatrixXd::Zero(3 * cuts_.size(), muscles_.size());
+template <class At>
+void MuscleMoments::forCrossings(const mjData* d, const At& at) const {
   for (std::size_t i = 0; i < muscles_.size(); i++) {
     const int tendon = m_->actuator_trnid[2 * muscles_[i]];
     const int* sites = m_->wrap_objid + m_->tendon_adr[tendon];
@@ -71,13 +71,42 @@ MatrixXd MuscleMoments::arms(const mjData* d) const {
       int low = sites[k], high = sites[k + 1];
       if (rank_[m_->site_bodyid[low]] > rank_[m_->site_bodyid[high]]) std::swap(low, high);
       const Vector3d p = sitePosition(d, high);
-      const Vector3d pull = (sitePosition(d, low) - p).normalized();
+      const Vector3d direction = (sitePosition(d, low) - p).normalized();
       for (int c = rank_[m_->site_bodyid[low]]; c < rank_[m_->site_bodyid[high]]; c++) {
-        A.block<3, 1>(3 * c, i) += (p - sitePosition(d, cuts_[c].site)).cross(pull);
+        at(c, i, p, direction);
       }
     }
   }
+}
+
+MatrixXd MuscleMoments::arms(const mjData* d) const {
+  MatrixXd A = MatrixXd::Zero(3 * cuts_.size(), muscles_.size());
+  forCrossings(d, [&](int c, int i, const Vector3d& p, const Vector3d& direction) {
+    A.block<3, 1>(3 * c, i) += (p - sitePosition(d, cuts_[c].site)).cross(direction);
+  });
   return A;
+}
+
+MatrixXd MuscleMoments::pulls(const mjData* d) const {
+  MatrixXd P = MatrixXd::Zero(cuts_.size(), muscles_.size());
+  forCrossings(d, [&](int c, int i, const Vector3d&, const Vector3d& direction) {
+    const mjtNum* axes = d->site_xmat + 9 * cuts_[c].site;
+    P(c, i) -= direction.dot(Vector3d(axes[2], axes[5], axes[8]));
+  });
+  return P;
+}
+
+VectorXd MuscleMoments::externalMoments(const mjData* d) const {
+  VectorXd result = VectorXd::Zero(3 * cuts_.size());
+  const Vector3d gravity(m_->opt.gravity);
+  for (int body = 1; body < m_->nbody; body++) {
+    const Vector3d com(d->xipos + 3 * body), torque(d->xfrc_applied + 6 * body + 3);
+    const Vector3d force = m_->body_mass[body] * gravity + Vector3d(d->xfrc_applied + 6 * body);
+    for (int c = 0; c < rank_[body]; c++) {
+      result.segment<3>(3 * c) += (com - sitePosition(d, cuts_[c].site)).cross(force) + torque;
+    }
+  }
+  return result;
 }
 
 VectorXd MuscleMoments::servoMoments(const mjData* d) const {

@@ -33,6 +33,13 @@ class MuscleMoments {
   // Moments about the discs' centres on what is above, in the world frame, of a unit of tension in
   // each muscle (3 cuts x muscles) [m]; need mj_kinematics.
   Eigen::MatrixXd arms(const mjData* d) const;
+  // What a unit of tension in each muscle presses each disc with, along the disc's axis (cuts x
+  // muscles); needs mj_kinematics.
+  Eigen::MatrixXd pulls(const mjData* d) const;
+  // Moments about the discs' centres of the weight of what is above and of the forces applied to it
+  // (xfrc_applied), in the world frame (3 cuts) [Nm]; needs mj_kinematics. For a body that is held
+  // below the cuts only.
+  Eigen::VectorXd externalMoments(const mjData* d) const;
   // The same of the servos between the bones at each cut [Nm] (3 cuts); needs mj_forward.
   Eigen::VectorXd servoMoments(const mjData* d) const;
   // Tensions (muscles) [N], and the controls that give them.
@@ -40,6 +47,11 @@ class MuscleMoments {
   void setTensions(mjData* d, const Eigen::VectorXd& tensions) const;
 
  private:
+  // Calls at(cut, muscle, point, direction) for each stretch of a muscle that passes a cut: its end
+  // above and where it pulls that to.
+  template <class At>
+  void forCrossings(const mjData* d, const At& at) const;
+
   const mjModel* m_;
   std::vector<Cut> cuts_;
   std::vector<int> muscles_;

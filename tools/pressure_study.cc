@@ -16,6 +16,7 @@ using Eigen::VectorXd;
 
 constexpr double kSmallMoment = 1, kStill = 0.1;  // [Nm]
 constexpr int kMaxRounds = 8;
+constexpr int kL4L5 = 1;  // among the cuts
 
 Loading loading(PosedBody& body, const MuscleMoments& moments) {
   const mjModel* m = body.model();
@@ -39,7 +40,35 @@ Loading loading(PosedBody& body, const MuscleMoments& moments) {
   return result;
 }
 
+std::vector<Balance> balances(const PosedBody& body, const MuscleMoments& moments) {
+  const mjData* d = body.data();
+  const VectorXd external = moments.externalMoments(d), servos = moments.servoMoments(d);
+  const VectorXd tensions = moments.tensions(d);
+  const VectorXd muscles = moments.arms(d) * tensions, pulls = moments.pulls(d) * tensions;
+  const Vector3d push = body.abdominalForce();
+  std::vector<Balance> result;
+  for (std::size_t c = 0; c < moments.cuts().size(); c++) {
+    const int site = moments.cuts()[c].site, flexion = 3 * c + 1;
+    const Vector3d centre(d->site_xpos + 3 * site);
+    const mjtNum* axes = d->site_xmat + 9 * site;
+    Balance b;
+    b.disc = moments.cuts()[c].disc;
+    b.abdomen = (body.diaphragm() - centre).cross(push).y();
+    b.external = external[flexion] - b.abdomen;  // among the applied forces
+    b.muscles = muscles[flexion];
+    b.servos = servos[flexion];
+    b.muscle_pull = pulls[c];
+    b.abdomen_push = push.dot(Vector3d(axes[2], axes[5], axes[8]));
+    result.push_back(b);
+  }
+  return result;
+}
+
 }  // namespace
+
+double abdominalPressure(double moment) { return std::max(0., 79 * moment - 1127); }
+
+double coactivation(double load) { return 0.017 + (0.029 - 0.017) * load / 32; }
 
 const DiscLoad& Loading::at(const std::string& disc) const {
   for (const DiscLoad& load : discs) {
@@ -57,20 +86,32 @@ ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
   body.take(activity);
   body.settle();
   result.servos = loading(body, moments);
+  result.lean = body.lean();
   if (!muscles) return result;
 
   const VectorXd sections = moments.sections();
+  VectorXd always = VectorXd::Zero(sections.size());
+  double free = 1;
+  if (activity.held != Held::kBed) {
+    const double share = coactivation(activity.load);
+    always = share * kLargestMuscleStress * sections;
+    free = 1 - share;
+    result.abdominal_pressure = abdominalPressure(moments.externalMoments(d)[3 * kL4L5 + 1]);
+    body.pressurise(result.abdominal_pressure);
+  }
   double before = moments.servoMoments(d).lpNorm<Eigen::Infinity>();
-  for (int round = 0; round < kMaxRounds; round++) {
+  for (int round = 0; round < kMaxRounds && activity.held != Held::kBed; round++) {
     const Eigen::MatrixXd arms = moments.arms(d);
-    const VectorXd demand = moments.servoMoments(d) + arms * moments.tensions(d);
-    moments.setTensions(d, leastStressForces(arms, demand, sections, kLargestMuscleStress));
+    const VectorXd demand = moments.servoMoments(d) + arms * (moments.tensions(d) - always);
+    moments.setTensions(
+        d, always + leastStressForces(arms, demand, sections, free * kLargestMuscleStress));
     body.settle();
     const double now = moments.servoMoments(d).lpNorm<Eigen::Infinity>();
     if (now < kSmallMoment || std::abs(now - before) < kStill) break;
     before = now;
   }
   result.muscles = loading(body, moments);
+  result.balance = balances(body, moments);
   const VectorXd tensions = moments.tensions(d);
   result.largest_stress = tensions.cwiseQuotient(sections).maxCoeff();
   for (std::size_t i = 0; i < moments.muscles().size(); i++) {
