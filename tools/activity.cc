@@ -27,12 +27,12 @@ constexpr double kLimbStiffness = 40;
 constexpr int kLumbarLevels = 6;  // L5/S1 .. T12/L1
 // At rest: over a tenth of a second pressures change by less than this, what the discs' floats
 // leave, and servos that keep the posture are as near to it as this.
-constexpr double kRestPressure = 2e3, kRestShare = 5e-3, kLongest = 6;  // [Pa], -, [s]
+constexpr double kRestPressure = 2e3, kRestShare = 4e-3, kLongest = 8;  // [Pa], -, [s]
 constexpr double kPosture = 2e-3;                                       // [rad]
 // Of a servo's error that is added to its target every tenth of a second, so that thorax, neck and
 // limbs stay in the posture under any load. Without it 20 kg on stretched arms bend the thorax by
 // 20 degrees.
-constexpr double kCorrection = 0.5;
+constexpr double kCorrection = 0.2;
 
 // Each pair of ribs between rib cage and spine, in place of the models' bushings, which are soft
 // for the sake of large steps and let the cage give way by centimetres under what the arms hold: 24
@@ -116,6 +116,7 @@ std::vector<Activity> readActivities(const std::string& folder) {
     a.load_in_hands = table.empty(i, "load_mm");
     a.load_distance = a.load_in_hands ? 0 : number("load_mm") * 1e-3;
     a.pressure = number("pressure_mpa") * 1e6;
+    a.l3_load = table.empty(i, "l3_load_n") ? 0 : number("l3_load_n");
     activities.push_back(a);
   }
   return activities;
@@ -152,7 +153,11 @@ PosedBody::PosedBody(const Anatomy& anatomy, const Skeleton& skeleton, const std
     }
     Element load(document.RootElement()->FirstChildElement("worldbody"), "body");
     load.set("name", kLoad).set("mocap", "true");
-    Element(load, "geom").set("type", "box").set("size", kCrate).set("rgba", {0.55, 0.4, 0.2, 1});
+    Element(load, "geom")
+        .set("type", "box")
+        .set("size", kCrate)
+        .set("rgba", {0.55, 0.4, 0.2, 1})
+        .set("mass", 0);
   }
   tinyxml2::XMLElement* equality = document.RootElement()->FirstChildElement("equality");
   for (const char* body : kHeld) {
@@ -378,9 +383,11 @@ void PosedBody::settle() {
     if (d->time - start > kLongest) {
       throw Error(fmt::format("{}: not at rest after {} s", activity_.name, kLongest));
     }
-    for (int i = 0; i < chunk; i++) {
+    std::vector<double> mean(ndisc, 0);
+    for (int k = 0; k < chunk; k++) {
       applyForces();
       mj_step(m, d);
+      for (int i = 0; i < ndisc; i++) mean[i] += torso_discNucleusPressure(m, d, i) / chunk;
     }
     double worst = 0;
     for (const int i : posture_servos_) {
@@ -392,10 +399,9 @@ void PosedBody::settle() {
     if (!warning.empty()) throw Error(fmt::format("{}: {}", activity_.name, warning));
     rest = worst < kPosture;
     for (int i = 0; i < ndisc; i++) {
-      const double p = torso_discNucleusPressure(m, d, i);
-      rest &= std::abs(p - before[i]) < kRestPressure + kRestShare * std::abs(p);
-      before[i] = p;
+      rest &= std::abs(mean[i] - before[i]) < kRestPressure + kRestShare * std::abs(mean[i]);
     }
+    before = mean;
   }
   showLoad();
   mj_forward(m, d);

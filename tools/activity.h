@@ -26,6 +26,7 @@ struct Activity {
   bool load_in_hands;
   double load_distance;  // before the sternum, if not in the hands
   double pressure;       // measured in the nucleus of L4/L5 [Pa]
+  double l3_load;        // published compression of L3/L4 [N]; 0: none
 };
 
 // Throws std::runtime_error that names file, line and column at fault.

@@ -19,14 +19,13 @@
 #include "tools/paths.h"
 #include "tools/pressure_plots.h"
 #include "tools/pressure_study.h"
+#include "tools/pressure_table.h"
 #include "tools/progress_bar.h"
 
 namespace torso::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr const char* kMeasuredDisc = "L4/L5";
 
 struct Options {
   std::vector<std::string> activities;
@@ -58,90 +57,26 @@ Json describe(const std::vector<ActivityLoads>& all) {
       entry["muscles"] = describe(loads.muscles);
       entry["muscle_forces_n"] = loads.group_force;
       entry["largest_muscle_stress_mpa"] = loads.largest_stress / 1e6;
+      entry["abdominal_pressure_kpa"] = loads.abdominal_pressure / 1e3;
+      entry["lean_deg"] = loads.lean * 180 / EIGEN_PI;
+      for (const Balance& b : loads.balance) {
+        entry["balance"].push_back({{"disc", b.disc},
+                                    {"weight_nm", b.external},
+                                    {"muscles_nm", b.muscles},
+                                    {"abdomen_nm", b.abdomen},
+                                    {"servos_nm", b.servos},
+                                    {"passive_nm", b.passive()},
+                                    {"muscle_pull_n", b.muscle_pull},
+                                    {"abdomen_push_n", b.abdomen_push}});
+      }
     }
     activities.push_back(entry);
   }
   return {{"disc", kMeasuredDisc}, {"activities", activities}};
 }
 
-void print(const std::vector<ActivityLoads>& all, bool muscles) {
-  fmt::print(
-      "{}: pressure in the nucleus [MPa], {:.2f} of the unloaded disc included; (surface): normal\n"
-      "force over area, as in the paper; [subject]: on a disc of the measured man's {:.0f} mm2, "
-      "ours\n"
-      "has {:.0f}; force: compression [N]; left: the most that servos still give at one of the "
-      "discs\n"
-      "from L5/S1 to T12/L1 [Nm]\n",
-      kMeasuredDisc, kUnloadedPressure / 1e6, kSubjectsArea * 1e6,
-      all.front().servos.at(kMeasuredDisc).area * 1e6);
-  fmt::print("{:<38}{:>8}{:>22}{:>7}", "", "in vivo", "servos only", "force");
-  if (muscles) fmt::print("{:>22}{:>7}{:>13}{:>9}", "muscles", "force", "against it", "left");
-  fmt::print("\n");
-  const auto mpa = [](const DiscLoad& load) {
-    return fmt::format("{:>8.2f} ({:4.2f}) [{:4.2f}]{:>7.0f}", load.nucleus_pressure / 1e6,
-                       load.surface_pressure / 1e6, load.pressureOnSubjectsArea() / 1e6,
-                       load.compression);
-  };
-  const auto left = [](const Loading& loading) {
-    double most = 0;
-    for (const double moment : loading.servo_moments) most = std::max(most, std::abs(moment));
-    return most;
-  };
-  for (const ActivityLoads& loads : all) {
-    const double measured = loads.activity.pressure;
-    fmt::print("{:<38}{:>8.2f}{}", loads.activity.title, measured / 1e6,
-               mpa(loads.servos.at(kMeasuredDisc)));
-    if (muscles) {
-      const DiscLoad& with = loads.muscles.at(kMeasuredDisc);
-      fmt::print("{}{:>+5.0f} [{:+3.0f}] %{:>8.1f}", mpa(with),
-                 100 * (with.nucleus_pressure / measured - 1),
-                 100 * (with.pressureOnSubjectsArea() / measured - 1), left(loads.muscles));
-    }
-    fmt::print("\n");
-  }
-}
-
-// Where the compression comes from, beside what the measured pressure stands for.
-void explain(const std::vector<ActivityLoads>& all) {
-  fmt::print(
-      "\n{}: extending moments [Nm] that hold weight and load ({:s}), by muscles, pressure in the\n"
-      "abdomen, passive spine and servos; muscles' pull along the disc [N] and their arm [mm]\n"
-      "(published: erector spinae 50 - 66); compression [N] beside 0.66 x area x measured "
-      "pressure\n"
-      "(Nachemson 1960); nucleus pressure over compression per area (published 1.3 - 1.66)\n",
-      kMeasuredDisc, "ext");
-  fmt::print("{:<38}{:>6}{:>7}{:>7}{:>6}{:>6}{:>6}{:>6}{:>7}{:>5}{:>7}{:>8}{:>7}\n", "", "lean",
-             "ext", "muscle", "abd.", "[kPa]", "pass.", "servo", "pull", "arm", "force", "in vivo",
-             "ratio");
-  for (const ActivityLoads& loads : all) {
-    for (const Balance& b : loads.balance) {
-      if (b.disc != kMeasuredDisc) continue;
-      const DiscLoad& disc = loads.muscles.at(kMeasuredDisc);
-      fmt::print(
-          "{:<38}{:>6.1f}{:>7.0f}{:>7.0f}{:>6.1f}{:>6.1f}{:>6.1f}{:>6.1f}{:>7.0f}{:>5.0f}{:>7.0f}{:"
-          ">8.0f}{:>7.2f}\n",
-          loads.activity.title, loads.lean * 180 / EIGEN_PI, b.external, -b.muscles, -b.abdomen,
-          loads.abdominal_pressure / 1e3, -b.passive(), -b.servos, b.muscle_pull,
-          b.muscle_pull > 0 ? -1e3 * b.muscles / b.muscle_pull : 0, disc.compression,
-          0.66 * kSubjectsArea * loads.activity.pressure,
-          disc.nucleus_pressure * disc.area / disc.compression);
-    }
-  }
-}
-
-void printArms(const std::vector<MuscleArm>& arms) {
-  fmt::print("moment arms, standing, one side, weighted by section [mm]; in brackets published\n");
-  fmt::print("{:<20}{:<7}{:>28}{:>28}\n", "", "", "behind the disc (extension)",
-             "beside (bending)");
-  for (const MuscleArm& a : arms) {
-    fmt::print("{:<20}{:<7}{:>12.0f} ({:>4.0f} - {:>4.0f}){:>14.0f} ({:>4.0f} - {:>4.0f}){}\n",
-               a.muscle, a.disc, 1e3 * a.behind, 1e3 * a.behind_low, 1e3 * a.behind_high,
-               1e3 * a.beside, 1e3 * a.beside_low, 1e3 * a.beside_high,
-               a.inside() ? "" : "  outside");
-  }
-}
-
 void pressure(const Options& options) {
+  if (options.explain && !options.muscles) throw Error("--explain is about muscles: it needs them");
   const Anatomy anatomy = Anatomy::load(anatomyFolder());
   std::vector<Activity> chosen, all = readActivities(anatomyFolder());
   for (const Activity& activity : all) {
@@ -185,8 +120,11 @@ void pressure(const Options& options) {
   if (options.json) {
     std::cout << describe(results).dump(2) << '\n';
   } else {
-    print(results, options.muscles);
-    if (options.explain) explain(results);
+    printPressures(results);
+    if (options.explain) {
+      printBalance(results);
+      printLevels(results);
+    }
   }
 }
 
@@ -205,16 +143,16 @@ void addPressure(CLI::App& app) {
       "Examples:\n"
       "  torso pressure\n"
       "  torso pressure --activity standing hold_close --no-muscles\n"
-      "  torso pressure --plot out\n"
+      "  torso pressure --explain --plot out\n"
       "  torso pressure --json | jq '.activities[] | .muscles.discs'");
   command->add_option("--activity", options->activities, "Only these, by their names in the table");
   command->add_flag("--muscles,!--no-muscles", options->muscles,
                     "Whether muscles take over from the servos (default: they do)");
   command->add_flag("--arms", options->arms,
                     "Print the muscles' moment arms beside published ones, and do no more");
-  command->add_flag(
-      "--explain", options->explain,
-      "Print what carries the moment at L4/L5, beside what the measurement stands for");
+  command->add_flag("--explain", options->explain,
+                    "Print also what carries the moment about L4/L5, and the other discs, beside "
+                    "published figures");
   command->add_option("--plot", options->plot,
                       "Write pictures of the postures and bars of the pressures into this folder");
   command->add_flag("--json", options->json, "Print JSON, with all discs and muscles");

@@ -40,6 +40,21 @@ Loading loading(PosedBody& body, const MuscleMoments& moments) {
   return result;
 }
 
+// "MF" of the actuator "MF_m1s_left".
+std::string groupOf(const mjModel* m, int muscle) {
+  const std::string name = nameOf(m, mjOBJ_ACTUATOR, muscle);
+  return name.substr(0, name.find('_'));
+}
+
+// Psoas and quadratus lumborum, which electrodes on the skin do not see.
+bool isDeep(const std::string& group) { return group == "PS" || group == "QL"; }
+
+// Flexion moment of the pressure in the abdomen about the disc of a cut [Nm].
+double abdominalMoment(const PosedBody& body, const Cut& cut) {
+  const Vector3d centre(body.data()->site_xpos + 3 * cut.site);
+  return (body.diaphragm() - centre).cross(body.abdominalForce()).y();
+}
+
 std::vector<Balance> balances(const PosedBody& body, const MuscleMoments& moments) {
   const mjData* d = body.data();
   const VectorXd external = moments.externalMoments(d), servos = moments.servoMoments(d);
@@ -49,11 +64,10 @@ std::vector<Balance> balances(const PosedBody& body, const MuscleMoments& moment
   std::vector<Balance> result;
   for (std::size_t c = 0; c < moments.cuts().size(); c++) {
     const int site = moments.cuts()[c].site, flexion = 3 * c + 1;
-    const Vector3d centre(d->site_xpos + 3 * site);
     const mjtNum* axes = d->site_xmat + 9 * site;
     Balance b;
     b.disc = moments.cuts()[c].disc;
-    b.abdomen = (body.diaphragm() - centre).cross(push).y();
+    b.abdomen = abdominalMoment(body, moments.cuts()[c]);
     b.external = external[flexion] - b.abdomen;  // among the applied forces
     b.muscles = muscles[flexion];
     b.servos = servos[flexion];
@@ -95,12 +109,17 @@ ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
   if (activity.held != Held::kBed) {
     const double share = coactivation(activity.load);
     always = share * kLargestMuscleStress * sections;
+    for (std::size_t i = 0; i < moments.muscles().size(); i++) {
+      if (isDeep(groupOf(m, moments.muscles()[i]))) always[i] = 0;
+    }
     free = 1 - share;
-    result.abdominal_pressure = abdominalPressure(moments.externalMoments(d)[3 * kL4L5 + 1]);
-    body.pressurise(result.abdominal_pressure);
   }
   double before = moments.servoMoments(d).lpNorm<Eigen::Infinity>();
   for (int round = 0; round < kMaxRounds && activity.held != Held::kBed; round++) {
+    const double weight =
+        moments.externalMoments(d)[3 * kL4L5 + 1] - abdominalMoment(body, moments.cuts()[kL4L5]);
+    result.abdominal_pressure = abdominalPressure(weight);
+    body.pressurise(result.abdominal_pressure);
     const Eigen::MatrixXd arms = moments.arms(d);
     const VectorXd demand = moments.servoMoments(d) + arms * (moments.tensions(d) - always);
     moments.setTensions(
@@ -115,8 +134,7 @@ ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
   const VectorXd tensions = moments.tensions(d);
   result.largest_stress = tensions.cwiseQuotient(sections).maxCoeff();
   for (std::size_t i = 0; i < moments.muscles().size(); i++) {
-    const std::string name = nameOf(m, mjOBJ_ACTUATOR, moments.muscles()[i]);
-    result.group_force[name.substr(0, name.find('_'))] += tensions[i];
+    result.group_force[groupOf(m, moments.muscles()[i])] += tensions[i];
   }
   return result;
 }

@@ -12,6 +12,7 @@
 
 namespace torso::tools {
 
+constexpr const char* kMeasuredDisc = "L4/L5";
 // In the nucleus of a disc under no load [Pa], for the ligaments press on it and it swells:
 // Nachemson and Evans 1968, J Biomech 1:211-220. Pressures of our discs are above it.
 constexpr double kUnloadedPressure = 0.07e6;
@@ -66,9 +67,10 @@ struct ActivityLoads {
 // (read in its abstract); none below 14 Nm.
 double abdominalPressure(double moment);
 
-// Share of its strength that each muscle of the trunk gives all the time to keep the spine stable,
-// flexors against extensors: 1.7 % upright without load, 2.9 % with 32 kg on the trunk (EMG of ten
-// people, Cholewicki et al. 1997, Spine 22:2207-2212, recalled), in between as the load [kg].
+// Share of their strength that abdominal muscles and extensors of the back give all the time
+// against each other to keep the spine stable: 1.7 % upright without load, 2.9 % with 32 kg on the
+// trunk (EMG on the skin, ten people, Cholewicki et al. 1997, Spine 22:2207-2212, recalled), in
+// between as the load [kg].
 double coactivation(double load);
 
 // Puts the body in the posture, lets the servos hold it, and, if asked for, lets muscles take over,
