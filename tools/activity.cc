@@ -260,10 +260,15 @@ void PosedBody::pose(const Posture& p) {
   mj_comPos(m, d);
 }
 
-Vector3d PosedBody::loadPoint(const Activity& a) const {
-  const Vector3d grip = 0.5 * (anatomy_.landmark("hand_tip") - anatomy_.landmark("wrist"));
-  Vector3d p = bodyPoint(m_.get(), d_.get(), "left_hand", grip);
+Vector3d PosedBody::grip() const {
+  const Vector3d middle = 0.5 * (anatomy_.landmark("hand_tip") - anatomy_.landmark("wrist"));
+  Vector3d p = bodyPoint(m_.get(), d_.get(), "left_hand", middle);
   p.y() = 0;
+  return p;
+}
+
+Vector3d PosedBody::loadPoint(const Activity& a) const {
+  Vector3d p = grip();
   if (!a.load_in_hands) {
     // Before the sternum at the height of the load, or its end that is nearest.
     const Vector3d top = anatomy_.landmark("suprasternal_notch_IJ");
@@ -293,7 +298,10 @@ void PosedBody::take(const Activity& a) {
       return balance(a) - relaxed_balance_;
     };
     if (ahead(low) > 0 || ahead(high) < 0) {
-      throw Error(fmt::format("{}: the body cannot be balanced on its feet", a.name));
+      throw Error(fmt::format(
+          "activities.csv, {}: no lean of the ankles from {:.0f} to {:.0f} deg balances "
+          "the body with {} kg on its feet: change load_kg, load_mm or the posture",
+          a.name, low / kDegree, high / kDegree, a.load));
     }
     for (int i = 0; i < 40; i++) {
       lean = (low + high) / 2;
@@ -301,6 +309,13 @@ void PosedBody::take(const Activity& a) {
     }
   }
   pose(leaning(a, lean));
+  const double reach = loadPoint(a).x() - grip().x();
+  if (a.load > 0 && std::abs(reach) > kCrate.x()) {
+    throw Error(fmt::format(
+        "activities.csv, {}: the load's centre is {:.0f} mm {} the hands, which hold it "
+        "up to {:.0f} mm from there: change load_mm or the arms",
+        a.name, 1e3 * std::abs(reach), reach > 0 ? "beyond" : "short of", 1e3 * kCrate.x()));
+  }
   mjModel* m = m_.get();
   mjData* d = d_.get();
   activity_ = a;
@@ -381,7 +396,10 @@ void PosedBody::settle() {
   const double start = d->time;
   for (bool rest = false; !rest;) {
     if (d->time - start > kLongest) {
-      throw Error(fmt::format("{}: not at rest after {} s", activity_.name, kLongest));
+      throw Error(fmt::format(
+          "activities.csv, {}: not at rest in this posture after {} s: its joints may be "
+          "too far bent",
+          activity_.name, kLongest));
     }
     std::vector<double> mean(ndisc, 0);
     for (int k = 0; k < chunk; k++) {

@@ -47,7 +47,8 @@ class PosedBody {
   mjData* data() { return d_.get(); }
   const mjData* data() const { return d_.get(); }
   double discArea(int disc) const;  // [m^2]
-  // Into the posture, at rest, muscles off; servos aim at it. Throws Error if no lean balances it.
+  // Into the posture, at rest, muscles off; servos aim at it. Throws Error if no lean
+  // balances it or the hands do not reach the load.
   void take(const Activity& activity);
   // Pressure in the abdomen [Pa] from now on, until the next take(): pushes rib cage and pelvis
   // apart between the centres of diaphragm and pelvic floor.
@@ -66,6 +67,7 @@ class PosedBody {
   };
   Posture leaning(const Activity& activity, double lean) const;
   void pose(const Posture& posture);
+  Eigen::Vector3d grip() const;  // middle of the hands
   Eigen::Vector3d loadPoint(const Activity& activity) const;
   double balance(const Activity& activity);
   void applyForces();

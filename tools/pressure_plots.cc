@@ -11,16 +11,16 @@ namespace torso::tools {
 void writePressurePlot(const std::string& folder, const std::string& disc,
                        const std::vector<ActivityLoads>& all) {
   makeFolder(folder);
-  std::string table = "activity,measured_mpa,servos_mpa,muscles_mpa,muscles_area_of_subject_mpa\n";
+  std::string table = "activity,measured_mpa,servos_mpa,muscles_mpa,muscles_our_disc_mpa\n";
   bool muscles = false;
   for (const ActivityLoads& loads : all) {
     const auto mpa = [](double pascal) { return fmt::format("{:.4f}", pascal / 1e6); };
     table += fmt::format("{},{},{}", loads.activity.title, mpa(loads.activity.pressure),
-                         mpa(loads.servos.at(disc).nucleus_pressure));
+                         mpa(loads.servos.at(disc).pressureOnSubjectsArea()));
     if (!loads.muscles.discs.empty()) {
       muscles = true;
       const DiscLoad& with = loads.muscles.at(disc);
-      table += "," + mpa(with.nucleus_pressure) + "," + mpa(with.pressureOnSubjectsArea());
+      table += "," + mpa(with.pressureOnSubjectsArea()) + "," + mpa(with.nucleus_pressure);
     } else {
       table += ",,";
     }
@@ -31,7 +31,7 @@ void writePressurePlot(const std::string& folder, const std::string& disc,
       "# Draws the table beside it: gnuplot pressure.gp\n"
       "set terminal pngcairo size 1300,750 font 'sans,12'\nset output 'pressure.png'\n"
       "set datafile separator ','\nset title 'Pressure in the nucleus of {}; in vivo: Wilke et al. "
-      "1999, 2001, one man'\n"
+      "1999, 2001, one man; ours: on a disc of his area'\n"
       "set style data histogram\nset style histogram clustered gap 1\nset style fill solid 0.9 "
       "noborder\nset boxwidth 0.9\n"
       "set ylabel 'pressure [MPa]'\nset yrange [0:*]\nset grid ytics lc rgb 'gray60'\n"
@@ -42,7 +42,7 @@ void writePressurePlot(const std::string& folder, const std::string& disc,
   if (muscles) {
     script +=
         ", \\\n  '' skip 1 using 4 lc rgb '#1b3a6b' title 'ours, muscles', \\\n"
-        "  '' skip 1 using 5 lc rgb '#4f81bd' title 'ours, muscles, disc of the subject''s area'";
+        "  '' skip 1 using 5 lc rgb '#d9e3f0' title 'ours, muscles, on our smaller disc'";
   }
   writeFile(folder + "/pressure.gp", script + "\n");
 }

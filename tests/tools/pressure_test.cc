@@ -24,14 +24,15 @@ class Pressure : public testing::Test {
   static void SetUpTestSuite() {
     installHandlers();
     anatomy_ = new Anatomy(Anatomy::load(TORSO_ANATOMY_DIR));
-    const Skeleton skeleton =
-        readSkeleton(*anatomy_, std::string(TORSO_MJCF) + "/assets", bodyNames(*anatomy_));
-    body_ = new PosedBody(*anatomy_, skeleton);
+    skeleton_ = new Skeleton(
+        readSkeleton(*anatomy_, std::string(TORSO_MJCF) + "/assets", bodyNames(*anatomy_)));
+    body_ = new PosedBody(*anatomy_, *skeleton_);
     moments_ = new MuscleMoments(body_->model());
   }
   static void TearDownTestSuite() {
     delete moments_;
     delete body_;
+    delete skeleton_;
     delete anatomy_;
   }
   static Activity activity(const std::string& name) {
@@ -42,22 +43,34 @@ class Pressure : public testing::Test {
   }
 
   static Anatomy* anatomy_;
+  static Skeleton* skeleton_;
   static PosedBody* body_;
   static MuscleMoments* moments_;
 };
 Anatomy* Pressure::anatomy_;
+Skeleton* Pressure::skeleton_;
 PosedBody* Pressure::body_;
 MuscleMoments* Pressure::moments_;
 
+double potentialEnergy(const mjModel* m, const mjData* d) {
+  double energy = 0;
+  for (int b = 1; b < m->nbody; b++) {
+    energy -= m->body_mass[b] * mju_dot3(m->opt.gravity, d->xipos + 3 * b);
+  }
+  return energy;
+}
+
 // By virtual work: turn all that is above a disc about its centre, and a muscle of moment arm r
-// grows shorter by r times the angle.
-TEST_F(Pressure, ArmsAreWhatTendonsShortenBy) {
+// grows shorter by r times the angle; weight loses energy by its moment times the angle.
+TEST_F(Pressure, MomentsAreVirtualWork) {
   body_->take(activity("bent"));
   mjModel* m = body_->model();
   mjData* d = body_->data();
   const MatrixXd arms = moments_->arms(d);
   const std::vector<std::string> below[] = {{"pelvis"}, {"pelvis", "L5", "L4", "L3", "L2"}};
   const std::size_t cuts[] = {0, 4};  // L5/S1, L1/L2
+  const Eigen::VectorXd weight = moments_->externalMoments(d);
+  const double energy = potentialEnergy(m, d);
   const std::vector<mjtNum> qpos(d->qpos, d->qpos + m->nq);
   const std::vector<mjtNum> length(d->ten_length, d->ten_length + m->ntendon);
   constexpr double kAngle = 1e-6;
@@ -78,6 +91,7 @@ TEST_F(Pressure, ArmsAreWhatTendonsShortenBy) {
       mj_kinematics(m, d);
       mj_comPos(m, d);
       mj_tendon(m, d);
+      EXPECT_NEAR((energy - potentialEnergy(m, d)) / kAngle, weight[3 * cuts[k] + axis], 1e-3);
       for (std::size_t i = 0; i < moments_->muscles().size(); i++) {
         const int tendon = m->actuator_trnid[2 * moments_->muscles()[i]];
         EXPECT_NEAR((length[tendon] - d->ten_length[tendon]) / kAngle, arms(3 * cuts[k] + axis, i),
@@ -133,17 +147,93 @@ TEST_F(Pressure, MusclesCompressTheDiscsThatServosDoNot) {
     }
   }
   EXPECT_GT(pull, 400);
+  const Balance& balance = loads.balance[1];
+  EXPECT_NEAR(balance.muscle_pull, pull, 1e-6 * pull);
   // Facets and ligaments carry the difference.
-  EXPECT_NEAR(loads.muscles.at("L4/L5").compression - loads.servos.at("L4/L5").compression, pull,
-              0.2 * pull);
+  EXPECT_NEAR(loads.muscles.at("L4/L5").compression - loads.servos.at("L4/L5").compression,
+              pull - balance.abdomen_push, 0.1 * pull);
+  // The disc is in the posture of the tables: what it takes itself is small.
+  EXPECT_LT(std::abs(balance.passive()), 0.2 * balance.external);
   EXPECT_GT(loads.muscles.at("L4/L5").nucleus_pressure,
             1.5 * loads.servos.at("L4/L5").nucleus_pressure);
+}
+
+// A line over the belly that is held to both bones would turn about and push them apart.
+TEST_F(Pressure, NoMusclePushesTheBentSpine) {
+  body_->take(activity("lift_back"));
+  EXPECT_GT(moments_->pulls(body_->data()).minCoeff(), -0.1);
+}
+
+// The measured man against ours with a disc of his area. What is off by more than 30 % is named.
+TEST_F(Pressure, IsTheMeasuredOne) {
+  const std::set<std::string> near = {"standing", "hold_close", "hold_far"}, off = {"prone"};
+  std::vector<std::pair<double, double>> upright;  // measured, ours
+  for (const Activity& a : readActivities(TORSO_ANATOMY_DIR)) {
+    SCOPED_TRACE(a.name);
+    const ActivityLoads loads = measureActivity(*body_, *moments_, a, true);
+    const double ours = loads.muscles.at(kMeasuredDisc).pressureOnSubjectsArea();
+    const double tolerance = near.count(a.name) ? 0.15 : 0.3;
+    if (off.count(a.name)) {
+      EXPECT_GT(std::abs(ours / a.pressure - 1), tolerance) << "no longer off: name it no more";
+    } else {
+      EXPECT_NEAR(ours / a.pressure, 1, tolerance);
+    }
+    if (a.held == Held::kBed) continue;
+    upright.emplace_back(a.pressure, ours);
+    EXPECT_GT(loads.muscles.at(kMeasuredDisc).compression,
+              1.3 * loads.servos.at(kMeasuredDisc).compression);
+    // Muscles are strong enough.
+    for (const double moment : loads.muscles.servo_moments) EXPECT_LT(std::abs(moment), 4);
+  }
+  std::sort(upright.begin(), upright.end());
+  for (std::size_t i = 1; i < upright.size(); i++) {
+    // Sitting and standing are alike: 0.46 and 0.50 MPa.
+    EXPECT_GT(upright[i].second, 0.95 * upright[i - 1].second) << upright[i].first;
+  }
+}
+
+TEST_F(Pressure, LoadsDoNotBendTheThorax) {
+  const mjModel* m = body_->model();
+  const mjData* d = body_->data();
+  const auto turn = [&](const char* bone) {
+    const mjtNum* q = d->xquat + 4 * mj_name2id(m, mjOBJ_BODY, bone);
+    return Quaterniond(q[0], q[1], q[2], q[3]);
+  };
+  body_->take(activity("hold_far"));
+  const Quaterniond posed = turn("T12").conjugate() * turn("T3");
+  body_->settle();
+  EXPECT_LT(posed.angularDistance(turn("T12").conjugate() * turn("T3")), 0.03);
+}
+
+TEST_F(Pressure, WhatIsDrawnWeighsNothing) {
+  PosedBody drawn(*anatomy_, *skeleton_, std::string(TORSO_MJCF) + "/assets");
+  EXPECT_NEAR(mj_getTotalmass(drawn.model()), mj_getTotalmass(body_->model()), 1e-9);
 }
 
 TEST_F(Pressure, RefusesAPoseThatCannotBeBalanced) {
   Activity heavy = activity("hold_far");
   heavy.load = 100;
   EXPECT_THROW(body_->take(heavy), Error);
+}
+
+TEST_F(Pressure, RefusesALoadOutOfReach) {
+  Activity far = activity("hold_far");
+  far.load_distance = 0.8;
+  try {
+    body_->take(far);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("beyond the hands"), std::string::npos)
+        << error.what();
+  }
+}
+
+// Mairiaux et al. 1984 and Cholewicki et al. 1997.
+TEST(Trunk, FollowsPublishedPressureAndCoactivation) {
+  EXPECT_EQ(abdominalPressure(10), 0);
+  EXPECT_NEAR(abdominalPressure(100), 6.8e3, 50);
+  EXPECT_DOUBLE_EQ(coactivation(0), 0.017);
+  EXPECT_DOUBLE_EQ(coactivation(32), 0.029);
 }
 
 using PressureCommand = Command;
