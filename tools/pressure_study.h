@@ -9,6 +9,7 @@
 
 #include "tools/activity.h"
 #include "tools/muscle_moments.h"
+#include "tools/posed_body.h"
 
 namespace torso::tools {
 
