@@ -261,7 +261,23 @@ double PosedBody::balance(const Activity& a) {
   return x - d_->xpos[3 * bodyId(m_.get(), "left_foot")];
 }
 
+void PosedBody::checkSpine(const Activity& a) const {
+  const Motion motion = a.lumbar_flexion > 0 ? kFlexion : kExtension;
+  for (int i = 0; i < kLumbarLevels; i++) {
+    const std::string& disc = anatomy_.discs[i].name;
+    const double bend = lumbar_shares_[i] * std::abs(a.lumbar_flexion);
+    const double end = anatomy_.range_of_motion.at(disc)[motion].high;
+    if (bend > end) {
+      throw Error(fmt::format(
+          "activities.csv, {}: lumbar_flexion_deg of {:.0f} bends {} by {:.1f} deg, published "
+          "ranges end at {:.1f}",
+          a.name, a.lumbar_flexion / kDegree, disc, bend / kDegree, end / kDegree));
+    }
+  }
+}
+
 void PosedBody::take(const Activity& a) {
+  checkSpine(a);
   double lean = 0;
   if (a.held == Held::kFeet) {
     double low = -0.35, high = 0.6;  // as far as ankles go [rad]

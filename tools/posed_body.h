@@ -28,7 +28,8 @@ class PosedBody {
   const mjData* data() const { return d_.get(); }
   double discArea(int disc) const;  // [m^2]
   // Into the posture, at rest, muscles off; servos aim at it. Throws Error if no lean
-  // balances it or the hands do not reach the load.
+  // balances it, the hands do not reach the load or the lumbar spine is bent beyond published
+  // ranges.
   void take(const Activity& activity);
   // Pressure in the abdomen [Pa] from now on, until the next take(): pushes rib cage and pelvis
   // apart between the centres of diaphragm and pelvic floor.
@@ -46,6 +47,7 @@ class PosedBody {
                                                                      // flexion [rad]
   };
   Posture leaning(const Activity& activity, double lean) const;
+  void checkSpine(const Activity& activity) const;  // throws Error if it is bent too far
   void pose(const Posture& posture);
   Eigen::Vector3d grip() const;  // middle of the hands
   Eigen::Vector3d loadPoint(const Activity& activity) const;
