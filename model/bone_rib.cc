@@ -125,10 +125,10 @@ void RibLines::makeLine(const Anatomy& anatomy, int rib) {
     has_tubercle |= j.costotransverse;
   }
   // Head and neck stay clear of the body and in front of the transverse process.
-  std::vector<Vector3d> knots = {head + mm * Vector3d(-1, rib == 0 ? 9.5 : 6.5, 0)};
+  std::vector<Vector3d> knots = {head + mm * Vector3d(-1, rib == 0 ? 10.2 : 6.7, 0)};
   if (has_tubercle) {
-    knots.push_back(0.5 * (head + tubercle) + mm * Vector3d(1.5, 5, 0));
-    knots.push_back(tubercle + mm * Vector3d(6, 5.5, 0));
+    knots.push_back(0.5 * (head + tubercle) + mm * Vector3d(1.7, 5.4, 0));
+    knots.push_back(tubercle + mm * Vector3d(6.4, 5.6, 0));
   } else {
     tubercle = head + mm * Vector3d(-22, 24, -5);
     knots.push_back(head + mm * Vector3d(-9, 15, -2));

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <unordered_map>
 
+#include "model/mesh_checks.h"
 #include "model/simplify.h"
 
 namespace torso {
@@ -275,11 +276,17 @@ TriMesh surface(const Blend& solid, double voxel, int max_faces, bool symmetric,
   Field field(solid.box(), voxel, symmetric);
   field.sample(solid);
   if (finish == Finish::kRounded) field.smooth();
-  TriMesh mesh = largestPart(field.surface());
-  field.relax(mesh);
-  mesh = simplified(mesh, symmetric ? max_faces / 2 : max_faces);
-  if (finish == Finish::kEven) settle(solid, voxel, symmetric, mesh);
-  return symmetric ? joinedWithMirror(mesh) : mesh;
+  constexpr int kPasses = 4;
+  for (int pass = 1;; pass++) {
+    TriMesh mesh = largestPart(field.surface());
+    field.relax(mesh);
+    mesh = simplified(mesh, symmetric ? max_faces / 2 : max_faces);
+    if (finish == Finish::kEven) settle(solid, voxel, symmetric, mesh);
+    if (pass == kPasses || mesh.faces.empty() || MeshTree(mesh).selfIntersections().empty()) {
+      return symmetric ? joinedWithMirror(mesh) : mesh;
+    }
+    field.smooth();  // spurs thinner than a voxel make faces cross
+  }
 }
 
 }  // namespace torso

@@ -104,9 +104,7 @@ Body curved(Body out, double lordosis_deg, double kyphosis_deg) {
 std::vector<Body> bodies() {
   constexpr auto kMale = Person::Sex::kMale, kFemale = Person::Sex::kFemale;
   return {{"tables", {}, {}, {}},
-          // Her rib heads are carried with the tables' size to narrower bodies; in life their
-          // joints have cartilage there, 0.3 mm of which these lack.
-          body("woman", kFemale, 1.55, 55, {}, {"apart, T1 - ribcage", "apart, T4 - ribcage"}),
+          body("woman", kFemale, 1.55, 55),
           curved(body("tall", kMale, 1.90, 85), 50, 30),
           curved(body("bent", kMale, 1.70, 72), 65, 50)};
 }
