@@ -1,5 +1,6 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "model/bone_vertebra.h"
@@ -13,13 +14,30 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
+constexpr double kClearance = 1.4_mm;  // of neighbours behind the canal, at least
+
 // Where the laminae meet, in the middle of their thickness. They hang lower than the pedicles.
 Vector3d laminaMiddle(const VertebraPlan& plan) {
   return {plan.canal_end - 3.6_mm, 0, -0.5 * plan.half_height};
 }
 
+// The top of the sacrum's crest on the mid-line, as sacrumMesh makes it, in the frame of L5.
+std::array<Vector3d, 2> sacralCrest(const VertebraPlan& l5) {
+  const Isometry3d X = l5.v.frame().inverse() * l5.anatomy.boneFrame("S1");
+  return {X * pointMm(-27, 0, -5), X * pointMm(-38, 0, -7.5)};
+}
+
 void addLaminae(Blend& bone, const VertebraPlan& plan) {
-  const Vector3d end = plan.pedicle_end, middle = laminaMiddle(plan);
+  const Vector3d end = plan.pedicle_end;
+  Vector3d middle = laminaMiddle(plan);
+  double tall = 9.6_mm;
+  if (plan.levelBelow() == "S1") {  // clear of the sacrum, which a strong lordosis brings near
+    const double room = middle.z() + tall - sacralCrest(plan)[0].z() - kClearance;
+    if (room < 2 * tall) {
+      middle.z() += tall - room / 2;
+      tall = room / 2;
+    }
+  }
   const double y = plan.canal_half;
   TubeStyle style;
   style.squareness = 2.8;
@@ -31,9 +49,49 @@ void addLaminae(Blend& bone, const VertebraPlan& plan) {
   bone.unitePair(rod({{end + pointMm(-0.5, 0.5, -1), 5.2_mm, 7.0_mm},
                       {pars, 4.4_mm, 7.5_mm},
                       {half, 3.7_mm, 9.2_mm},
-                      {middle, 4.0_mm, 9.6_mm}},
+                      {middle, 4.0_mm, tall}},
                      style),
                  3.5_mm);
+}
+
+// Keeps the outline of a spinous process on its side of the neighbours': a strong lordosis brings
+// them together, where they are flattened, as kissing spines are. In the process' plane.
+void keepApart(const VertebraPlan& plan, const Isometry3d& plane, std::vector<Vector2d>& outline) {
+  constexpr double kUp = 9.3, kDown = 12.0;  // how far processes reach from their axes
+  const Isometry3d into_plane = plane.inverse(), into = plan.v.frame().inverse();
+  const auto inPlane = [&](const Vector3d& p) {  // from the frame of the vertebra
+    const Vector3d q = into_plane * p;
+    return Vector2d(q.x(), q.z());
+  };
+  struct Line {  // axis of a process
+    Vector2d root, tip;
+    double at(double x) const {
+      return root.y() + (x - root.x()) / (tip.x() - root.x()) * (tip.y() - root.y());
+    }
+  };
+  const auto axis = [&](const VertebraPlan& of) {
+    const Isometry3d X = into * of.v.frame();
+    return Line{inPlane(X * laminaMiddle(of)), inPlane(X * of.spinous_tip)};
+  };
+  const Line mine = axis(plan);
+  for (const Vertebra& v : plan.anatomy.vertebrae) {
+    if (v.region != Region::kLumbar) continue;
+    const VertebraPlan other(plan.anatomy, v);
+    const bool is_below = plan.levelBelow() == v.name, is_above = other.levelBelow() == plan.v.name;
+    if (!is_below && !is_above) continue;
+    const double share = (is_below ? kDown : kUp) / (kUp + kDown);
+    const Line its = axis(other);
+    for (Vector2d& p : outline) {
+      const double middle = (1 - share) * mine.at(p.x()) + share * its.at(p.x());
+      p.y() = is_below ? std::max(p.y(), middle + kClearance / 2)
+                       : std::min(p.y(), middle - kClearance / 2);
+    }
+  }
+  if (plan.levelBelow() == "S1") {
+    const auto [front, back] = sacralCrest(plan);
+    const Line crest = {inPlane(front), inPlane(back)};
+    for (Vector2d& p : outline) p.y() = std::max(p.y(), crest.at(p.x()) + kClearance);
+  }
 }
 
 // A hatchet: a thin tall plate, narrower where it leaves the laminae; its end is a thick border
@@ -54,23 +112,24 @@ void addSpinousProcess(Blend& bone, const VertebraPlan& plan) {
     return Vector2d(start.x() + back_share * (end - start.x()), z * 1e-3);
   };
   const double z0 = start.y() * 1e3;
-  const std::vector<Vector2d> outline = smoothOutline({{start.x() + 1.0_mm, start.y() - 7.5_mm},
-                                                       {start.x() + 1.0_mm, start.y() + 8.0_mm},
-                                                       at(0.18, z0 + 6.2),
-                                                       at(0.40, 0.5 * z0 + tall * 6.6),
-                                                       at(0.70, tall * 8.0),
-                                                       at(0.87, tall * 9.3),
-                                                       at(0.95, tall * 9.0),
-                                                       at(0.99, tall * 5.5),
-                                                       at(1.0, tall * 1.0),
-                                                       at(1.0, tall * -5.0),
-                                                       at(0.985, tall * -9.5),
-                                                       at(0.93, tall * -12.0),
-                                                       at(0.84, tall * -11.8),
-                                                       at(0.70, tall * -10.0),
-                                                       at(0.48, 0.4 * z0 - tall * 8.2),
-                                                       at(0.22, z0 - 7.6)},
-                                                      3);
+  std::vector<Vector2d> outline = smoothOutline({{start.x() + 1.0_mm, start.y() - 7.5_mm},
+                                                 {start.x() + 1.0_mm, start.y() + 8.0_mm},
+                                                 at(0.18, z0 + 6.2),
+                                                 at(0.40, 0.5 * z0 + tall * 6.6),
+                                                 at(0.70, tall * 8.0),
+                                                 at(0.87, tall * 9.3),
+                                                 at(0.95, tall * 9.0),
+                                                 at(0.99, tall * 5.5),
+                                                 at(1.0, tall * 1.0),
+                                                 at(1.0, tall * -5.0),
+                                                 at(0.985, tall * -9.5),
+                                                 at(0.93, tall * -12.0),
+                                                 at(0.84, tall * -11.8),
+                                                 at(0.70, tall * -10.0),
+                                                 at(0.48, 0.4 * z0 - tall * 8.2),
+                                                 at(0.22, z0 - 7.6)},
+                                                3);
+  keepApart(plan, X, outline);
   const double length = start.x() - end;
   const auto thickness = [=](const Vector2d& p) {
     const double s = std::clamp((start.x() - p.x()) / length, 0.0, 1.1);

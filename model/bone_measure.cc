@@ -54,8 +54,7 @@ class Measurer {
     if (s_.has("ribcage")) ribCage();
     if (s_.has("head")) skull();
     if (s_.has("left_clavicle")) {
-      add("clavicle", "length", greatestLength(s_.bone("left_clavicle").mesh()));
-      add("clavicle", "volume", volume(s_.bone("left_clavicle").mesh()));
+      clavicle();
     }
     if (s_.has("left_scapula")) scapula();
     longBones();
@@ -102,6 +101,7 @@ class Measurer {
     add(name, "spinous_tip_distance", shape.spinousTipDistance());
     superiorFacet(name, bone);
     add(name, "volume", volume(bone.mesh()));
+    add(name, "body_volume", shape.bodyVolume());
   }
 
   void pelvis() {
@@ -143,6 +143,30 @@ class Measurer {
     }
     add("skull", "length", vault.sizes().x());
     add("skull", "breadth", vault.sizes().y());
+  }
+
+  void clavicle() {
+    const TriMesh& mesh = s_.bone("left_clavicle").mesh();
+    const double length = greatestLength(mesh), slab = 0.006 * a_.length_scale;
+    add("clavicle", "length", length);
+    add("clavicle", "volume", volume(mesh));
+    const auto inner = [](const Vector3d& p, const Vector3d& q) { return p.y() < q.y(); };
+    const auto [medial, lateral] =
+        std::minmax_element(mesh.vertices.begin(), mesh.vertices.end(), inner);
+    const Vector3d along = (*lateral - *medial).normalized();
+    const Vector3d front = along.cross(Vector3d::UnitZ()).normalized();
+    double breadth = 0;
+    for (double from = 0; from < 0.2 * length; from += slab / 2) {
+      double low = INFINITY, high = -INFINITY;
+      for (const Vector3d& p : mesh.vertices) {
+        const double at = (p - *medial).dot(along);
+        if (at < from || at > from + slab) continue;
+        low = std::min(low, p.dot(front));
+        high = std::max(high, p.dot(front));
+      }
+      breadth = std::max(breadth, high - low);
+    }
+    add("clavicle", "medial_breadth", breadth);
   }
 
   void scapula() {

@@ -33,7 +33,8 @@ struct BoneMeasure {
 //   superior_facet_width, _height, _area: of the part of the face that is within 0.6 mm of one
 //     plane; _transverse_angle: 0 horizontal, 90 deg vertical; _frontal_angle: 0 frontal, 90 deg
 //     sagittal, positive facing backwards and to the mid-line.
-//   volume.
+//   volume; body_volume: of what lies in front of the back wall of the body.
+// clavicle medial_breadth: of the medial fifth, horizontally across the bone.
 std::vector<BoneMeasure> measureBones(const Anatomy& anatomy, const Skeleton& skeleton);
 
 // The body that a bone is part of: "sacrum" -> "pelvis", "clavicle" -> "left_clavicle".

@@ -125,10 +125,10 @@ void RibLines::makeLine(const Anatomy& anatomy, int rib) {
     has_tubercle |= j.costotransverse;
   }
   // Head and neck stay clear of the body and in front of the transverse process.
-  std::vector<Vector3d> knots = {head + mm * Vector3d(-1, rib == 0 ? 9.5 : 6.5, 0)};
+  std::vector<Vector3d> knots = {head + mm * Vector3d(-1, rib == 0 ? 10.2 : 6.7, 0)};
   if (has_tubercle) {
-    knots.push_back(0.5 * (head + tubercle) + mm * Vector3d(1.5, 5, 0));
-    knots.push_back(tubercle + mm * Vector3d(6, 5.5, 0));
+    knots.push_back(0.5 * (head + tubercle) + mm * Vector3d(1.7, 5.4, 0));
+    knots.push_back(tubercle + mm * Vector3d(6.6, 5.7, 0));
   } else {
     tubercle = head + mm * Vector3d(-22, 24, -5);
     knots.push_back(head + mm * Vector3d(-9, 15, -2));
@@ -250,7 +250,7 @@ TriMesh ribMesh(const RibLines& lines, int rib) {
       if (c < 0 && h < -0.2) n += groove * bump(-0.62, 0.3, h);
       if (c < 0 && h < 0) u -= 0.35 * groove * (h < -0.95);
       if (c > 0) n += 0.8 * crook;                    // rough line on the back of the angle
-      n *= 1 + (c > 0 && h < 0.3 ? 0.35 * knob : 0);  // tubercle, on the rear and below
+      n *= 1 + (c > 0 && h < 0.3 ? 0.48 * knob : 0);  // tubercle, on the rear and below
       ring.push_back(centre + beyond * t + shrink * 1e-3 * (n * out + u * up));
     }
     rings.push_back(ring);

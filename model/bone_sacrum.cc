@@ -145,14 +145,16 @@ void addSuperiorProcesses(Blend& bone, const Anatomy& anatomy) {
     TubeStyle style;
     style.up = face.frame.linear().col(2);
     bone.unitePair(rod({{pointMm(-29, 26.5, -14), 7.5_mm, 5.0_mm},
-                        {face.at(0, -0.15 * f.height, -3.6_mm), 0.46 * f.width, 3.2_mm},
-                        {face.at(0, 0.2 * f.height, -2.8_mm), 0.42 * f.width, 2.5_mm}},
+                        {face.at(0, -0.15 * f.height, -3.3_mm), 0.46 * f.width, 2.8_mm},
+                        {face.at(0, 0.2 * f.height, -2.6_mm), 0.42 * f.width, 2.3_mm}},
                        style),
                    2.5_mm);
     addFace(bone, face, 3.2_mm, 2.0_mm);
     clearFace(bone, face);
     outlineFace(bone, face);
   }
+  // The nerve of L5 passes before them.
+  bone.carvePair(capsule(pointMm(-18.4, 12, 4.8), pointMm(-17.8, 34, 4.8), 3.3_mm), 1.0_mm);
 }
 
 void carveForamina(Blend& bone, const PelvicCurve& curve) {

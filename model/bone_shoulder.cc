@@ -116,7 +116,7 @@ class Scapula {
       const double bar =
           std::min({beside({90, -20}, {58, -44}, u, v), beside({58, -44}, {26, -73}, u, v),
                     beside({26, -73}, {4, -99}, u, v)});
-      t += (1.6 + 3.4 * smoothStep(-100, -25, v)) * std::exp(-std::pow(bar / 5.5, 2));
+      t += (2.4 + 3.6 * smoothStep(-100, -25, v)) * std::exp(-std::pow(bar / 5.8, 2));
       t += 4.0 * smoothStep(66, 98, u) * (1 - smoothStep(10, 30, std::abs(v)));  // neck
       // Ridges of subscapularis' tendons, from the medial border towards the neck.
       for (double from : {-20.0, -45.0, -70.0}) {
@@ -253,12 +253,12 @@ TriMesh clavicleMesh(const Anatomy& anatomy) {
   const Vector3d ac = anatomy.landmark("acromioclavicular_joint_AC");
   const Vector3d along = ac - sc;
   const Vector3d front = along.normalized().cross(Vector3d::UnitZ()).normalized();
-  // The medial part convex to the front, the lateral third concave: an S seen from above. Ends
-  // about 20 and 23 mm broad, as Bernat et al. 2014, Surg Radiol Anat 36:721-731, found them in
-  // 68 bones (22.8 to 24.7 and 23.5 to 25.9), the medial one less, so as to clear the first rib.
+  // The medial part convex to the front, the lateral third concave: an S seen from above. Bernat et
+  // al. 2014, Clin Anat 27:712-723, found the ends of men's bones 24.7 (SD 2.8) and 25.9 (4.1) mm
+  // broad at a length of 167 mm; these are shorter.
   // Share of the length, offset to the front and up, half axes across and up [mm].
   constexpr double kStations[][5] = {
-      {0.024, 1, 4.6, 9.2, 8.2},  {0.055, 3, 5.4, 10, 8.8},   {0.12, 6, 5.4, 9, 8.4},
+      {0.024, 1, 4.6, 10.6, 8.2}, {0.055, 3, 5.4, 11.4, 8.8}, {0.12, 6, 5.4, 9.8, 8.4},
       {0.20, 9, 4.6, 7.6, 7.6},   {0.30, 10.5, 4, 6.5, 6.6},  {0.42, 9, 3, 6.1, 6.0},
       {0.54, 4.5, 3, 6.4, 5.7},   {0.65, -1, 2.5, 7.8, 5.7},  {0.74, -5.5, 2.2, 9.8, 5.7},
       {0.83, -7, 2.2, 11.4, 5.6}, {0.91, -5, 1.6, 10.6, 5.3}, {0.970, -1.5, 0.6, 7.6, 4.4}};

@@ -25,6 +25,9 @@ struct Quadric {
   double operator()(const Vector3d& x) const { return x.dot(A * x) + 2 * b.dot(x) + c; }
 };
 
+// How many times the wanted faces the heap begins with, and how far the sweeps before it go.
+constexpr int kHeapShare = 8, kSweeps = 40;
+
 class Simplifier {
  public:
   explicit Simplifier(const TriMesh& mesh) : v_(mesh.vertices), f_(mesh.faces) {
@@ -35,35 +38,48 @@ class Simplifier {
     border_.assign(n, false);
     alive_.assign(f_.size(), true);
     count_ = static_cast<int>(f_.size());
-    std::vector<std::pair<int, int>> edges;
     for (std::size_t i = 0; i < f_.size(); i++) {
       const auto& f = f_[i];
       const Vector3d cross = (v_[f[1]] - v_[f[0]]).cross(v_[f[2]] - v_[f[0]]);
+      const double twice_area = cross.norm();
       for (int k = 0; k < 3; k++) {
         faces_of_[f[k]].push_back(static_cast<int>(i));
-        edges.push_back({f[k], f[(k + 1) % 3]});
-        if (cross.norm() > 0) {
-          quadric_[f[k]].addPlane(cross.normalized(), v_[f[0]], cross.norm() / 6);
+        if (twice_area > 0) {
+          quadric_[f[k]].addPlane(cross / twice_area, v_[f[0]], twice_area / 6);
         }
       }
     }
-    std::sort(edges.begin(), edges.end());
-    const auto open = [&](int a, int b) {
-      return !std::binary_search(edges.begin(), edges.end(), std::make_pair(b, a));
-    };
-    for (const auto& [a, b] : edges) {
-      if (open(a, b)) border_[a] = border_[b] = true;
-    }
-    for (const auto& [a, b] : edges) {
-      if (a < b || open(a, b)) push(a, b);
+    for (const auto& f : f_) {
+      for (int k = 0; k < 3; k++) {
+        const int a = f[k], b = f[(k + 1) % 3];
+        if (v_[a].y() != 0 || v_[b].y() != 0) continue;
+        int faces = 0;
+        for (int i : faces_of_[a]) faces += contains(i, b);
+        if (faces == 1) border_[a] = border_[b] = true;
+      }
     }
   }
 
   TriMesh run(int max_faces) {
+    thin(kHeapShare * max_faces);
+    std::vector<int> around;
+    for (std::size_t a = 0; a < v_.size(); a++) {
+      neighbours(static_cast<int>(a), around);
+      for (int b : around) {
+        if (b > static_cast<int>(a)) push(static_cast<int>(a), b);
+      }
+    }
     while (count_ > max_faces && !heap_.empty()) {
       const Candidate c = heap_.top();
       heap_.pop();
-      if (c.version == version_[c.a] + version_[c.b]) collapse(c);
+      if (c.version != version_[c.a] + version_[c.b]) continue;
+      const Outcome outcome = collapse(c.a, c.b);
+      if (outcome == Outcome::kDone) {
+        neighbours(c.a, around);
+        for (int i : around) push(c.a, i);
+      } else if (outcome == Outcome::kNotNow && c.tries < 3) {
+        heap_.push({30 * c.cost, c.a, c.b, c.version, c.tries + 1});
+      }
     }
     TriMesh out;
     std::vector<int> renamed(v_.size(), -1);
@@ -84,6 +100,24 @@ class Simplifier {
   }
 
  private:
+  // Sweeps over all edges, cheap ones first, until so many faces are left: where faces are many
+  // more than wanted, the order of their going matters little, and a heap takes most of the time.
+  void thin(int faces) {
+    double bound = 0;
+    for (std::size_t i = 0; i < f_.size(); i++)
+      bound += merge(f_[i][0], f_[i][1]).cost / (8 * f_.size());
+    std::vector<int> around;
+    for (int sweep = 0; count_ > faces && sweep < kSweeps; sweep++, bound *= 2) {
+      for (int a = 0; a < static_cast<int>(v_.size()) && count_ > faces; a++) {
+        if (faces_of_[a].empty()) continue;
+        neighbours(a, around);
+        for (int b : around) {
+          if (b > a && merge(a, b).cost < bound && collapse(a, b) == Outcome::kDone) break;
+        }
+      }
+    }
+  }
+
   struct Candidate {  // small: most of the time goes into moving these
     double cost;
     int a, b;
@@ -135,31 +169,37 @@ class Simplifier {
     out.erase(std::unique(out.begin(), out.end()), out.end());
   }
 
-  void collapse(const Candidate& c) {
+  enum class Outcome {
+    kDone,
+    kNever,   // it would not stay a surface
+    kNotNow,  // faces would fold or be slivers; another day perhaps, when the neighbours have
+              // changed
+  };
+  // Joins the ends of an edge in `a`.
+  Outcome collapse(int a, int b) {
     // The surface stays a surface if the two ends share just the neighbours opposite the edge.
     std::vector<int>&na = neighbours_a_, &nb = neighbours_b_;
-    neighbours(c.a, na);
-    neighbours(c.b, nb);
+    neighbours(a, na);
+    neighbours(b, nb);
     int shared_faces = 0, shared = 0;
-    for (int i : faces_of_[c.a]) shared_faces += contains(i, c.b);
+    for (int i : faces_of_[a]) shared_faces += contains(i, b);
     for (int i : na) shared += std::binary_search(nb.begin(), nb.end(), i);
-    if (shared_faces == 0 || shared != shared_faces) return;
-    if (border_[c.a] && border_[c.b] && shared_faces != 1) return;
-    if (na.size() + nb.size() < 8) return;
+    if (shared_faces == 0 || shared != shared_faces) return Outcome::kNever;
+    if (border_[a] && border_[b] && shared_faces != 1) return Outcome::kNever;
+    if (na.size() + nb.size() < 8) return Outcome::kNever;
     // Two vertices on the open edge may only be joined along it: the mirror image has them, too.
-    if (border_[c.a] != border_[c.b]) {
-      const std::vector<int>&inner = border_[c.a] ? nb : na, &outer = border_[c.a] ? na : nb;
+    if (border_[a] != border_[b]) {
+      const std::vector<int>&inner = border_[a] ? nb : na, &outer = border_[a] ? na : nb;
       for (int i : inner) {
-        if (border_[i] && i != c.a && i != c.b &&
-            !std::binary_search(outer.begin(), outer.end(), i)) {
-          return;
+        if (border_[i] && i != a && i != b && !std::binary_search(outer.begin(), outer.end(), i)) {
+          return Outcome::kNever;
         }
       }
     }
-    const Vector3d place = merge(c.a, c.b).place;
-    for (int end : {c.a, c.b}) {
+    const Vector3d place = merge(a, b).place;
+    for (int end : {a, b}) {
       for (int i : faces_of_[end]) {
-        if (contains(i, c.a) && contains(i, c.b)) continue;
+        if (contains(i, a) && contains(i, b)) continue;
         Vector3d p[3];
         for (int k = 0; k < 3; k++) p[k] = v_[f_[i][k]];
         const double was = quality(p);
@@ -171,41 +211,32 @@ class Simplifier {
         const Vector3d after = (p[1] - p[0]).cross(p[2] - p[0]);
         const bool sliver = is < 0.15 && is < was;
         const bool fold = was > 0.05 && before.dot(after) < 0.3 * before.norm() * after.norm();
-        if (sliver || fold) {
-          // Later perhaps, when the neighbours have changed.
-          if (c.tries < 3) {
-            Candidate again = c;
-            again.cost *= 30;
-            again.tries++;
-            heap_.push(again);
-          }
-          return;
-        }
+        if (sliver || fold) return Outcome::kNotNow;
       }
     }
-    v_[c.a] = place;
-    quadric_[c.a].A += quadric_[c.b].A;
-    quadric_[c.a].b += quadric_[c.b].b;
-    quadric_[c.a].c += quadric_[c.b].c;
-    border_[c.a] = border_[c.a] || border_[c.b];
-    for (int i : faces_of_[c.b]) {
-      if (contains(i, c.a)) {
+    v_[a] = place;
+    quadric_[a].A += quadric_[b].A;
+    quadric_[a].b += quadric_[b].b;
+    quadric_[a].c += quadric_[b].c;
+    border_[a] = border_[a] || border_[b];
+    for (int i : faces_of_[b]) {
+      if (contains(i, a)) {
         alive_[i] = false;
         count_--;
         continue;
       }
       for (int& k : f_[i]) {
-        if (k == c.b) k = c.a;
+        if (k == b) k = a;
       }
-      faces_of_[c.a].push_back(i);
+      faces_of_[a].push_back(i);
     }
-    removeDead(c.a);
-    neighbours(c.a, na);
+    removeDead(a);
+    neighbours(a, na);
     for (int i : na) removeDead(i);
-    faces_of_[c.b].clear();
-    version_[c.b]++;
-    version_[c.a]++;
-    for (int i : na) push(c.a, i);
+    faces_of_[b].clear();
+    version_[b]++;
+    version_[a]++;
+    return Outcome::kDone;
   }
 
   // Height over the longest edge, about: 0 for a sliver, 0.87 for an equilateral triangle.

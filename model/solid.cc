@@ -31,6 +31,7 @@ double superellipsoidDistance(const Vector3d& p, const Vector3d& r, double expon
     // Scaled by the largest, which the powers of the others are small against. In single precision,
     // as most of the time is spent here.
     const auto power = [](double x, double e) {
+      if (x == 1 || x < 1e-6) return x == 1 ? 1.0f : 0.0f;  // the largest; beside a bar's middle
       return std::pow(static_cast<float>(x), static_cast<float>(e));
     };
     const double most = std::max(q.maxCoeff(), 1e-9), e = exponent - 1;

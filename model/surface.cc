@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <unordered_map>
 
+#include "model/mesh_checks.h"
 #include "model/simplify.h"
 
 namespace torso {
@@ -29,22 +30,9 @@ class Field {
 
   // The solid's distance near its surface; further off only its sign is right.
   void sample(const Blend& solid) {
-    constexpr int kBlock = 4;
-    const double reach = 0.5 * kBlock * std::sqrt(3.0) * h_, near = 2 * h_;
     for (int i = 0; i < size_[0]; i += kBlock) {
       for (int j = 0; j < size_[1]; j += kBlock) {
-        for (int k = 0; k < size_[2]; k += kBlock) {
-          const Vector3d middle = node(i, j, k) + Vector3d::Constant(0.5 * (kBlock - 1) * h_);
-          const double at_middle = solid.distance(middle, reach + near);
-          const bool empty = std::abs(at_middle) > reach + near;
-          for (int a = i; a < std::min(i + kBlock, size_[0]); a++) {
-            for (int b = j; b < std::min(j + kBlock, size_[1]); b++) {
-              for (int c = k; c < std::min(k + kBlock, size_[2]); c++) {
-                value_[index(a, b, c)] = empty ? at_middle : solid.distance(node(a, b, c), near);
-              }
-            }
-          }
-        }
+        for (int k = 0; k < size_[2]; k += kBlock) sampleBlock(solid, {i, j, k}, kBlock);
       }
     }
   }
@@ -161,6 +149,37 @@ class Field {
   }
 
  private:
+  static constexpr int kBlock = 4;
+
+  // A cube of so many nodes, a power of two: at once if the surface is far from it, else by
+  // eighths.
+  void sampleBlock(const Blend& solid, const Vector3i& first, int nodes) {
+    const double near = 2 * h_;
+    if (nodes == 1) {
+      value_[index(first[0], first[1], first[2])] =
+          solid.distance(node(first[0], first[1], first[2]), near);
+      return;
+    }
+    const double far = 0.5 * nodes * std::sqrt(3.0) * h_ + near;
+    const Vector3d middle =
+        node(first[0], first[1], first[2]) + Vector3d::Constant(0.5 * (nodes - 1) * h_);
+    const double at_middle = solid.distance(middle, far);
+    const bool empty = std::abs(at_middle) > far;
+    const int step = empty ? 1 : nodes / 2;
+    const Vector3i end = (first + Vector3i::Constant(nodes)).cwiseMin(size_);
+    for (int i = first[0]; i < end[0]; i += step) {
+      for (int j = first[1]; j < end[1]; j += step) {
+        for (int k = first[2]; k < end[2]; k += step) {
+          if (empty) {
+            value_[index(i, j, k)] = at_middle;
+          } else {
+            sampleBlock(solid, {i, j, k}, step);
+          }
+        }
+      }
+    }
+  }
+
   // Value and gradient, from the eight nodes around.
   std::pair<double, Vector3d> sample(const Vector3d& p) const {
     const Vector3i n = nodeBelow(p).cwiseMax(0).cwiseMin(size_ - Vector3i::Constant(2));
@@ -257,11 +276,17 @@ TriMesh surface(const Blend& solid, double voxel, int max_faces, bool symmetric,
   Field field(solid.box(), voxel, symmetric);
   field.sample(solid);
   if (finish == Finish::kRounded) field.smooth();
-  TriMesh mesh = largestPart(field.surface());
-  field.relax(mesh);
-  mesh = simplified(mesh, symmetric ? max_faces / 2 : max_faces);
-  if (finish == Finish::kEven) settle(solid, voxel, symmetric, mesh);
-  return symmetric ? joinedWithMirror(mesh) : mesh;
+  constexpr int kPasses = 4;
+  for (int pass = 1;; pass++) {
+    TriMesh mesh = largestPart(field.surface());
+    field.relax(mesh);
+    mesh = simplified(mesh, symmetric ? max_faces / 2 : max_faces);
+    if (finish == Finish::kEven) settle(solid, voxel, symmetric, mesh);
+    if (pass == kPasses || mesh.faces.empty() || MeshTree(mesh).selfIntersections().empty()) {
+      return symmetric ? joinedWithMirror(mesh) : mesh;
+    }
+    field.smooth();  // spurs thinner than a voxel make faces cross
+  }
 }
 
 }  // namespace torso

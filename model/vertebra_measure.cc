@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "model/mesh_section.h"
+
 namespace torso {
 namespace {
 
@@ -212,6 +214,18 @@ std::optional<VertebraShape::Pedicle> VertebraShape::findPedicle() const {
     if (p.width < 1.3 * narrowest.width) narrowest.height = std::min(narrowest.height, p.height);
   }
   return narrowest;
+}
+
+double VertebraShape::bodyVolume() const {
+  constexpr int kSlices = 40;
+  const double back = backWall(0), step = (bone_.box().max().x() - back) / kSlices;
+  double sum = 0;
+  for (int i = 0; i < kSlices; i++) {
+    for (const Outline& o : section(bone_.mesh(), 0, back + (i + 0.5) * step)) {
+      sum += signedArea(o) * step;
+    }
+  }
+  return sum;
 }
 
 double VertebraShape::transverseSpan() const {

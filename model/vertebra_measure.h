@@ -48,6 +48,7 @@ class VertebraShape {
   double backWall(double z) const;     // x of the body's back on the mid-line
   double canalDepth() const;           // [m]; NaN if the canal is not closed behind
   const std::optional<Pedicle>& pedicle() const { return pedicle_; }
+  double bodyVolume() const;  // in front of the body's back wall [m^3]
   double transverseSpan() const;
   Eigen::Vector3d spinousTip() const;  // the furthest point of the process
   double spinousTipDistance() const;

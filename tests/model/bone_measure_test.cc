@@ -69,12 +69,15 @@ TEST(VertebraShape, OfSimpleShapes) {
   EXPECT_NEAR(v.pedicle()->width, 8 * kMm, 0.1 * kMm);
   EXPECT_NEAR(v.pedicle()->height, 14 * kMm, 0.2 * kMm);
   EXPECT_NEAR(v.transverseSpan(), 90 * kMm, 1e-9);
+  // The body and, of the pedicles of 14 mm, what lies beside it.
+  EXPECT_GT(v.bodyVolume(), M_PI * 16 * 21 * 24 * 1e-9 * 0.99);
   EXPECT_NEAR(v.spinousTipDistance(), std::hypot(65, 5) * kMm, 0.6 * kMm);
 }
 
 TEST(VertebraShape, WithoutAnArchHasNoPedicleAndNoCanal) {
   const MeshTree tree(box({-16, -21, -12}, {16, 21, 12}));
   const VertebraShape v(tree, 1);
+  EXPECT_NEAR(v.bodyVolume(), 32 * 42 * 24 * 1e-9, 1e-9);
   EXPECT_FALSE(v.pedicle());
   EXPECT_FALSE(std::isfinite(v.canalDepth()));
   EXPECT_NEAR(v.height(true), 24 * kMm, 1e-9);
