@@ -40,7 +40,14 @@ WholeSpine::WholeSpine(const Anatomy& whole, const Skeleton& skeleton, const Spi
   MjcfOptions options;
   options.anchored = "pelvis";
   options.only = spineBodies(anatomy);
-  if (parts.ribcage) options.only.push_back("ribcage");
+  if (parts.ribcage && parts.levels == 0) options.only.push_back("ribcage");
+  if (parts.levels > 0) {
+    options.only = {options.anchored};
+    anatomy.discs.resize(parts.levels);
+    for (const Disc& disc : anatomy.discs) {
+      options.only.push_back(bodyOfLevel(anatomy, disc.upper));
+    }
+  }
   options.bones = false;
   options.skeleton = &skeleton;
   m_ = compileModel(mjcfText(anatomy, options), "whole spine");

@@ -62,12 +62,14 @@ TEST(WholeSpine, BendsAlikeToBothSidesWithoutTheRibCageFurther) {
   EXPECT_LT(bend(without, 1), 1.8 * left);
 }
 
-TEST(ForwardBend, TellsHowManyLevelsShareIt) {
-  const ForwardBend even = {{1, 1, 1, 1}, 0}, uneven = {{0.5, 6, 1, 0.5}, 0};
-  EXPECT_DOUBLE_EQ(even.largestShare(), 0.25);
-  EXPECT_EQ(even.levelsForHalf(), 2);
-  EXPECT_DOUBLE_EQ(uneven.largestShare(), 0.75);
-  EXPECT_EQ(uneven.levelsForHalf(), 1);
+TEST(Ablation, BendBetweenTwoPosesIsBetweenThem) {
+  const std::vector<BentPose> poses = {{0, {0, 0}}, {2, {2, 1}}, {4, {4, 5}}};
+  const BentPose pose = bentBy(poses, 6);
+  EXPECT_DOUBLE_EQ(pose.moment, 3);
+  EXPECT_DOUBLE_EQ(pose.levels[0], 3);
+  EXPECT_DOUBLE_EQ(pose.flexion(), 6);
+  EXPECT_DOUBLE_EQ(pose.largestShare(), 0.5);
+  EXPECT_DOUBLE_EQ(bentBy(poses, 10).moment, 4);
 }
 
 }  // namespace
