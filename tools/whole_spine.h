@@ -27,7 +27,7 @@ struct LevelLoad {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   double follower = 0;  // compression along the disc's axis [N], see WholeSpine::load
 };
-using SpineLoad = std::vector<LevelLoad>;  // L5/S1 .. C2/C3; those of levels left out are not used
+using SpineLoad = std::vector<LevelLoad>;  // L5/S1 .. C2/C3; those of levels left out are unused
 
 struct SpinePose {
   // Rotation vector of each level's upper bone against its lower one, since the pose of `stand`,
