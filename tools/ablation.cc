@@ -161,14 +161,16 @@ constexpr const char* kLigamentPlots =
     "'#f0cfa8' title 'without ligaments: {c:.0f} deg at {cm:.0f} Nm'\n";
 
 constexpr const char* kDiscPlots =
-    "set xtics rotate by -45\nset boxwidth 0.4\nset yrange [*:*]\nset style fill solid 0.6\n"
+    "set xtics rotate by -45\nset boxwidth 0.4\nset yrange [*:*]\nset xrange [-0.7:22.7]\nset key "
+    "center bottom\nset style fill solid 0.6\n"
     "set title 'Gap between vertebral bodies against rest: mean and standard deviation'\n"
     "set xlabel ''\nset ylabel 'change [mm]'\n"
     "plot 'gaps.csv' skip 1 using ($0-0.1):6:7:xtic(1) with yerrorbars lw 2 pt 7 lc rgb '#d98c3f' "
     "title 'without discs', '' skip 1 using ($0+0.1):3:4 with yerrorbars lw 2 pt 7 lc rgb "
     "'#1f4e9c' title 'whole', '' skip 1 using 0:(-$2) with points pt 2 ps 1.2 lc rgb 'gray40' "
     "title 'contact'\n"
-    "set title 'Poses in which the bodies collide'\nset ylabel 'share [%]'\nset yrange [0:100]\n"
+    "set title 'Poses in which the bodies collide'\nset ylabel 'share [%]'\nset yrange "
+    "[0:100]\nset key center top\n"
     "plot 'gaps.csv' skip 1 using ($0-0.2):(100*$8):xtic(1) with boxes lc rgb '#d98c3f' title "
     "'without discs', '' skip 1 using ($0+0.2):(100*$5) with boxes lc rgb '#1f4e9c' title "
     "'whole'\n";
