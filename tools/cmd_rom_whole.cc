@@ -137,6 +137,9 @@ Json describe(const Anatomy& anatomy, const WholeSpineReport& report,
                  {"inside", row.inside()},
                  {"laboratory_deg", row.laboratory / kDegree},
                  {"without_ribcage_deg", row.without_ribcage / kDegree}};
+    for (const PublishedMotion* p : row.others) {
+      json["others_in_vivo"].push_back({{"value_deg", p->value / kDegree}, {"source", p->source}});
+    }
     for (const PublishedMotion* p : row.ribcage) {
       json["published_without_ribcage"].push_back({{"increase", p->value}, {"source", p->source}});
     }
