@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 
 #include "model/body.h"
-#include "model/parallel.h"
 #include "tools/files.h"
 
 namespace torso::tools {
@@ -20,7 +19,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr double kDegree = EIGEN_PI / 180;
-constexpr int kTrunkLevels = 17;  // L5/S1 .. T1/T2
+constexpr int kLumbarLevels = 6;  // L5/S1 .. T12/L1
 
 // Points of the upper body's lower face in the disc's frame at rest, and the bone below.
 struct Gap {
@@ -52,50 +51,76 @@ Gap makeGap(const Anatomy& anatomy, const Skeleton& skeleton, const Disc& disc) 
   return {face, MeshTree(transformed(bone, disc.frame.inverse()))};
 }
 
-double trunkFlexion(const SpinePose& pose) {
-  double sum = 0;
-  for (int i = 0; i < kTrunkLevels; i++) sum += pose.levels[i].y();
-  return sum;
+}  // namespace
+
+double BentPose::flexion() const { return std::accumulate(levels.begin(), levels.end(), 0.0); }
+
+double BentPose::largestShare() const {
+  return *std::max_element(levels.begin(), levels.end()) / flexion();
 }
 
-// Raises the moment in equal strides until the bend is passed, and takes the pose between the last
-// two.
-ForwardBend bendForward(const Anatomy& anatomy, WholeSpine& spine) {
-  constexpr double kStride = 1.5, kMost = 45;  // at L5/S1 [Nm]
-  const std::vector<WeightAbove> above = weightAbove(anatomy);
-  SpineLoad full = standingLoad(anatomy);
-  for (int i = 0; i < kTrunkLevels; i++) {
-    full[i].moment = kMost * above[i].moment / above[0].moment * turnAxis(Turn::kFlexion);
-  }
-  ForwardBend bend = {std::vector<double>(kTrunkLevels, 0.0), kMost};
-  double before = 0;
-  spine.load(full, static_cast<int>(kMost / kStride), [&](const SpinePose& pose, double share) {
-    const double now = trunkFlexion(pose);
-    const bool passed = now >= kForwardBend;
-    const double part = passed ? (kForwardBend - before) / (now - before) : 1;
-    for (int i = 0; i < kTrunkLevels; i++) {
-      bend.levels[i] += part * (pose.levels[i].y() - bend.levels[i]);
+BentPose bentBy(const std::vector<BentPose>& poses, double flexion) {
+  for (std::size_t k = 1; k < poses.size(); k++) {
+    const BentPose &a = poses[k - 1], &b = poses[k];
+    if (b.flexion() < flexion) continue;
+    const double t = (flexion - a.flexion()) / (b.flexion() - a.flexion());
+    BentPose pose = {a.moment + t * (b.moment - a.moment), a.levels};
+    for (std::size_t i = 0; i < pose.levels.size(); i++) {
+      pose.levels[i] += t * (b.levels[i] - a.levels[i]);
     }
-    bend.moment = kMost * share - (1 - part) * kStride;
-    before = now;
-    return !passed;
-  });
-  return bend;
+    return pose;
+  }
+  return poses.back();
 }
 
-SpineAblation ablate(const Anatomy& anatomy, const std::vector<Gap>& gaps, WholeSpine& spine,
-                     const std::vector<SpineLoad>& motions, bool bend) {
-  SpineAblation result;
+LumbarBends bendLumbarSpine(const Anatomy& anatomy, const Skeleton& skeleton, bool ligaments) {
+  constexpr int kStrides = 10;
+  SpineParts parts;
+  parts.ligaments = ligaments;
+  parts.levels = kLumbarLevels;
+  WholeSpine spine(anatomy, skeleton, parts);
+  const std::vector<WeightAbove> above = weightAbove(anatomy);
+  LumbarBends bends;
+  for (const Turn turn : {Turn::kFlexion, Turn::kExtension}) {
+    SpineLoad load(kLumbarLevels);
+    spine.stand(load);
+    for (int i = 0; i < kLumbarLevels; i++) {
+      load[i].moment = kHangingShare * above[i].moment * turnAxis(turn);
+    }
+    auto& poses = turn == Turn::kFlexion ? bends.forward : bends.backward;
+    poses = {{0, std::vector<double>(kLumbarLevels, 0.0)}};
+    spine.load(load, kStrides, [&](const SpinePose& pose, double share) {
+      BentPose bent = {share * load[0].moment.y(), {}};
+      for (const Vector3d& level : pose.levels) bent.levels.push_back(level.y());
+      poses.push_back(bent);
+      return true;
+    });
+  }
+  return bends;
+}
+
+std::vector<GapStatistics> measureGaps(const Anatomy& anatomy, const Skeleton& skeleton, bool discs,
+                                       int mixtures, unsigned seed,
+                                       const std::function<void(double)>& progress) {
+  std::vector<Vector3d> weights = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                   {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
+  for (const Vector3d& w : randomWeights(mixtures, seed)) weights.push_back(w);
+  std::vector<Gap> gaps;
+  for (const Disc& disc : anatomy.discs) gaps.push_back(makeGap(anatomy, skeleton, disc));
+  SpineParts parts;
+  parts.discs = discs;
+  WholeSpine spine(anatomy, skeleton, parts);
   spine.stand(standingLoad(anatomy));
   std::vector<std::vector<double>> distances(gaps.size());
-  for (const SpineLoad& motion : motions) {
-    for (const SpinePose& pose : spine.load(motion, kMotionSteps)) {
-      result.l5_flexion.push_back(pose.levels[0].y());
+  for (std::size_t k = 0; k < weights.size(); k++) {
+    for (const SpinePose& pose : spine.load(mixedLoad(anatomy, weights[k]), kMotionSteps)) {
       for (std::size_t i = 0; i < gaps.size(); i++) {
         distances[i].push_back(gaps[i].at(pose.placement[i]));
       }
     }
+    progress((k + 1.0) / weights.size());
   }
+  std::vector<GapStatistics> statistics;
   for (std::size_t i = 0; i < gaps.size(); i++) {
     const auto& d = distances[i];
     const double n = static_cast<double>(d.size());
@@ -103,107 +128,113 @@ SpineAblation ablate(const Anatomy& anatomy, const std::vector<Gap>& gaps, Whole
     double squares = 0;
     for (double x : d) squares += (x - mean) * (x - mean);
     const auto hits = std::count_if(d.begin(), d.end(), [](double x) { return x < 0; });
-    result.gaps.push_back({anatomy.discs[i].name, gaps[i].at(Isometry3d::Identity()), mean,
-                           std::sqrt(squares / n), static_cast<double>(hits) / n});
+    statistics.push_back({anatomy.discs[i].name, gaps[i].at(Isometry3d::Identity()), mean,
+                          std::sqrt(squares / n), static_cast<double>(hits) / n});
   }
-  if (bend) result.bend = bendForward(anatomy, spine);
-  return result;
+  return statistics;
 }
 
-}  // namespace
+namespace {
 
-double ForwardBend::largestShare() const {
-  const double sum = std::accumulate(levels.begin(), levels.end(), 0.0);
-  return *std::max_element(levels.begin(), levels.end()) / sum;
-}
+constexpr const char* kPlotHead =
+    "# Draws the tables beside it: gnuplot ablation.gp\n"
+    "set terminal pngcairo size 1700,{} font 'sans,13'\nset output 'ablation.png'\n"
+    "set datafile separator ','\nset grid lc rgb 'gray80'\nset multiplot layout {},2\n";
 
-int ForwardBend::levelsForHalf() const {
-  std::vector<double> sorted = levels;
-  std::sort(sorted.rbegin(), sorted.rend());
-  const double half = std::accumulate(levels.begin(), levels.end(), 0.0) / 2;
-  int count = 0;
-  for (double sum = 0; sum < half; count++) sum += sorted[count];
-  return count;
-}
+constexpr const char* kLigamentPlots =
+    "set title 'L5 against the sacrum under the weight of the hanging trunk'\n"
+    "set key left top Left reverse\n"
+    "set xlabel 'moment at L5/S1 [Nm], extension to flexion'\nset ylabel 'flexion [deg]'\n"
+    "set object 1 rect from graph 0, first {low:.1f} to graph 1, first {high:.1f} fc rgb '#d62728' "
+    "fs solid 0.12 noborder behind\n"
+    "plot NaN with boxes fs solid 0.12 noborder lc rgb '#d62728' title 'published range (lumbar "
+    "spines at 7.5 to 10 Nm, living people)', 'hanging.csv' skip 1 using (strcol(1) eq 'without' ? "
+    "$2 : 1/0):4 with "
+    "linespoints lw 2 pt 7 lc rgb '#d98c3f' title 'without ligaments', '' skip 1 using (strcol(1) "
+    "eq 'whole' ? $2 : 1/0):4 with linespoints lw 2 pt 7 lc rgb '#1f4e9c' title 'whole'\n"
+    "unset object 1\nset key right top Right noreverse\nset title 'Lumbar spine bent forward'\nset "
+    "xlabel ''\n"
+    "set xtics rotate by -45\nset boxwidth 0.26\nset style fill solid 0.6\nset yrange [0:*]\n"
+    "plot 'bend.csv' skip 1 using ($0-0.27):2:xtic(1) with boxes lc rgb '#1f4e9c' title 'whole: "
+    "{a:.0f} deg at {am:.0f} Nm', '' skip 1 using 0:3 with boxes lc rgb '#d98c3f' title 'without "
+    "ligaments: {b:.0f} deg at {bm:.0f} Nm', '' skip 1 using ($0+0.27):4 with boxes lc rgb "
+    "'#f0cfa8' title 'without ligaments: {c:.0f} deg at {cm:.0f} Nm'\n";
 
-AblationReport measureAblation(const Anatomy& anatomy, const Skeleton& skeleton, int mixtures,
-                               unsigned seed, int threads,
-                               const std::function<void(double)>& progress) {
-  std::vector<SpineLoad> motions;
-  for (const Vector3d& w : {Vector3d(1, 0, 0), Vector3d(-1, 0, 0), Vector3d(0, 1, 0),
-                            Vector3d(0, -1, 0), Vector3d(0, 0, 1), Vector3d(0, 0, -1)}) {
-    motions.push_back(mixedLoad(anatomy, w));
+constexpr const char* kDiscPlots =
+    "set xtics rotate by -45\nset boxwidth 0.4\nset yrange [*:*]\nset xrange [-0.7:22.7]\nset key "
+    "center bottom\nset style fill solid 0.6\n"
+    "set title 'Gap between vertebral bodies against rest: mean and standard deviation'\n"
+    "set xlabel ''\nset ylabel 'change [mm]'\n"
+    "plot 'gaps.csv' skip 1 using ($0-0.1):6:7:xtic(1) with yerrorbars lw 2 pt 7 lc rgb '#d98c3f' "
+    "title 'without discs', '' skip 1 using ($0+0.1):3:4 with yerrorbars lw 2 pt 7 lc rgb "
+    "'#1f4e9c' title 'whole', '' skip 1 using 0:(-$2) with points pt 2 ps 1.2 lc rgb 'gray40' "
+    "title 'contact'\n"
+    "set title 'Poses in which the bodies collide'\nset ylabel 'share [%]'\nset yrange "
+    "[0:100]\nset key center top\n"
+    "plot 'gaps.csv' skip 1 using ($0-0.2):(100*$8):xtic(1) with boxes lc rgb '#d98c3f' title "
+    "'without discs', '' skip 1 using ($0+0.2):(100*$5) with boxes lc rgb '#1f4e9c' title "
+    "'whole'\n";
+
+std::string ligamentTables(const std::string& folder, const Anatomy& anatomy,
+                           const AblationReport& report) {
+  const LumbarBends &whole = report.whole, &without = report.without_ligaments;
+  std::string hanging = "spine,moment_nm,lumbar_deg,l5_deg\n";
+  for (const LumbarBends* spine : {&whole, &without}) {
+    const auto add = [&](const BentPose& pose) {
+      hanging += fmt::format("{},{:.3f},{:.3f},{:.3f}\n", spine == &whole ? "whole" : "without",
+                             pose.moment, pose.flexion() / kDegree, pose.levels[0] / kDegree);
+    };
+    std::for_each(spine->backward.rbegin(), std::prev(spine->backward.rend()), add);
+    std::for_each(spine->forward.begin(), spine->forward.end(), add);
   }
-  for (const Vector3d& w : randomWeights(mixtures, seed)) motions.push_back(mixedLoad(anatomy, w));
-  std::vector<Gap> gaps;
-  for (const Disc& disc : anatomy.discs) gaps.push_back(makeGap(anatomy, skeleton, disc));
-  AblationReport report;
-  std::atomic<int> done{0};
-  forEach(3, threads, [&](int i) {
-    SpineParts parts;
-    parts.ligaments = i != 1;
-    parts.discs = i != 2;
-    WholeSpine spine(anatomy, skeleton, parts);
-    (i == 0   ? report.whole
-     : i == 1 ? report.without_ligaments
-              : report.without_discs) = ablate(anatomy, gaps, spine, motions, i < 2);
-    progress(++done / 3.0);
-  });
-  return report;
-}
-
-void writeAblationPlots(const std::string& folder, const Anatomy& anatomy,
-                        const AblationReport& report) {
-  makeFolder(folder);
-  std::string l5 = "whole_deg,without_ligaments_deg\n";
-  for (std::size_t i = 0; i < report.whole.l5_flexion.size(); i++) {
-    l5 += fmt::format("{:.3f},{:.3f}\n", report.whole.l5_flexion[i] / kDegree,
-                      report.without_ligaments.l5_flexion[i] / kDegree);
-  }
-  writeFile(folder + "/l5.csv", l5);
-  std::string bend = "disc,whole_deg,without_ligaments_deg\n";
-  for (int i = 0; i < kTrunkLevels; i++) {
-    bend += fmt::format("{},{:.3f},{:.3f}\n", anatomy.discs[i].name,
-                        report.whole.bend.levels[i] / kDegree,
-                        report.without_ligaments.bend.levels[i] / kDegree);
+  writeFile(folder + "/hanging.csv", hanging);
+  const BentPose a = bentBy(whole.forward, kForwardBend), b = bentBy(without.forward, kForwardBend),
+                 c = without.forward.back();
+  std::string bend = "disc,whole_deg,without_ligaments_deg,without_ligaments_end_deg\n";
+  for (int i = 0; i < kLumbarLevels; i++) {
+    bend += fmt::format("{},{:.3f},{:.3f},{:.3f}\n", anatomy.discs[i].name, a.levels[i] / kDegree,
+                        b.levels[i] / kDegree, c.levels[i] / kDegree);
   }
   writeFile(folder + "/bend.csv", bend);
+  const RangeOfMotion& published = anatomy.range_of_motion.at(anatomy.discs[0].name);
+  return fmt::format(kLigamentPlots, fmt::arg("low", -published[kExtension].high / kDegree),
+                     fmt::arg("high", published[kFlexion].high / kDegree),
+                     fmt::arg("a", a.flexion() / kDegree), fmt::arg("am", a.moment),
+                     fmt::arg("b", b.flexion() / kDegree), fmt::arg("bm", b.moment),
+                     fmt::arg("c", c.flexion() / kDegree), fmt::arg("cm", c.moment));
+}
+
+std::string discTables(const std::string& folder, const AblationReport& report) {
   std::string gaps =
       "disc,rest_mm,whole_mm,whole_deviation_mm,whole_collisions,without_discs_mm,"
       "without_discs_deviation_mm,without_discs_collisions\n";
-  for (std::size_t i = 0; i < report.whole.gaps.size(); i++) {
-    const GapStatistics &a = report.whole.gaps[i], &b = report.without_discs.gaps[i];
+  for (std::size_t i = 0; i < report.gaps.size(); i++) {
+    const GapStatistics &a = report.gaps[i], &b = report.gaps_without_discs[i];
     gaps += fmt::format("{},{:.3f},{:.3f},{:.3f},{:.4f},{:.3f},{:.3f},{:.4f}\n", a.disc,
                         a.rest * 1e3, (a.mean - a.rest) * 1e3, a.deviation * 1e3, a.collisions,
                         (b.mean - b.rest) * 1e3, b.deviation * 1e3, b.collisions);
   }
   writeFile(folder + "/gaps.csv", gaps);
-  writeFile(
-      folder + "/ablation.gp",
-      "# Draws the tables beside it: gnuplot ablation.gp\n"
-      "set terminal pngcairo size 1700,1100 font 'sans,13'\nset output 'ablation.png'\n"
-      "set datafile separator ','\nset grid lc rgb 'gray80'\n"
-      "set multiplot layout 2,2\n"
-      "set title 'L5 against the sacrum over all motions'\nset xlabel 'flexion [deg]'\n"
-      "set ylabel 'poses'\nbin(x) = 2 * floor(x / 2.0) + 1\nset boxwidth 1.9\n"
-      "set style fill solid 0.5\n"
-      "plot 'l5.csv' skip 1 using (bin($2)):(1) smooth frequency with boxes lc rgb '#d98c3f' title "
-      "'without ligaments', '' skip 1 using (bin($1)):(1) smooth frequency with boxes lc rgb "
-      "'#1f4e9c' title 'whole'\n"
-      "set title 'Trunk bent forward by 65 degrees'\nset xlabel ''\nset ylabel 'flexion [deg]'\n"
-      "set xtics rotate by -45\nset boxwidth 0.4\nset yrange [*:*]\n"
-      "plot 'bend.csv' skip 1 using ($0-0.2):3:xtic(1) with boxes lc rgb '#d98c3f' title 'without "
-      "ligaments', '' skip 1 using ($0+0.2):2 with boxes lc rgb '#1f4e9c' title 'whole'\n"
-      "set title 'Gap between vertebral bodies against rest: mean and standard deviation'\n"
-      "set ylabel 'change [mm]'\n"
-      "plot 'gaps.csv' skip 1 using ($0-0.1):6:7:xtic(1) with yerrorbars lw 2 pt 7 lc rgb "
-      "'#d98c3f' title 'without discs', '' skip 1 using ($0+0.1):3:4 with yerrorbars lw 2 pt 7 lc "
-      "rgb '#1f4e9c' title 'whole', '' skip 1 using 0:(-$2) with points pt 2 ps 1.2 lc rgb "
-      "'gray40' title 'contact'\n"
-      "set title 'Poses in which the bodies collide'\nset ylabel 'share [%]'\nset yrange [0:100]\n"
-      "plot 'gaps.csv' skip 1 using ($0-0.2):(100*$8):xtic(1) with boxes lc rgb '#d98c3f' title "
-      "'without discs', '' skip 1 using ($0+0.2):(100*$5) with boxes lc rgb '#1f4e9c' title "
-      "'whole'\nunset multiplot\n");
+  return kDiscPlots;
+}
+
+}  // namespace
+
+void writeAblationPlots(const std::string& folder, const Anatomy& anatomy,
+                        const AblationReport& report) {
+  makeFolder(folder);
+  std::string plots;
+  int rows = 0;
+  if (!report.whole.forward.empty()) {
+    plots += ligamentTables(folder, anatomy, report);
+    rows++;
+  }
+  if (!report.gaps.empty()) {
+    plots += discTables(folder, report);
+    rows++;
+  }
+  writeFile(folder + "/ablation.gp",
+            fmt::format(kPlotHead, 600 * rows, rows) + plots + "unset multiplot\n");
 }
 
 }  // namespace torso::tools

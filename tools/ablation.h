@@ -12,15 +12,18 @@
 
 namespace torso::tools {
 
-// The trunk bent forward until T1 has turned by kForwardBend against the pelvis, by moments that
-// fall towards the head as those of its weight do.
-struct ForwardBend {
-  std::vector<double> levels;   // flexion of L5/S1 .. T1/T2 [rad]
-  double moment;                // at L5/S1 [Nm]
+// The lumbar spine, L5/S1 to T12/L1, under a moment of the hanging trunk's weight, which falls from
+// level to level towards the head.
+struct BentPose {
+  double moment = 0;            // at L5/S1, of the forward bend, below 0 of the backward one [Nm]
+  std::vector<double> levels;   // flexion of L5/S1 .. T12/L1 [rad]
+  double flexion() const;       // T12 against the sacrum [rad]
   double largestShare() const;  // of the level that turns most
-  int levelsForHalf() const;    // how many of them, the largest first, make up half
 };
-constexpr double kForwardBend = 65 * EIGEN_PI / 180;
+// Where it has bent by so much [rad], between the two poses next to that; the last one if it has
+// not. Poses from the least bent on.
+BentPose bentBy(const std::vector<BentPose>& poses, double flexion);
+constexpr double kForwardBend = 65 * EIGEN_PI / 180;  // as in the paper
 
 // The gap between neighbouring vertebral bodies: least distance from the upper body's lower face,
 // taken as that of an elliptic cylinder, to the mesh of the lower bone; below 0 they collide [m].
@@ -30,25 +33,33 @@ struct GapStatistics {
   double collisions;             // share of the poses
 };
 
-struct SpineAblation {
-  std::vector<double> l5_flexion;  // L5/S1 over all poses of the motions [rad]
-  ForwardBend bend;
-  std::vector<GapStatistics> gaps;  // by level
+// In equal strides of the moment from standing to kHangingShare of the trunk's weight.
+struct LumbarBends {
+  std::vector<BentPose> forward, backward;
 };
+
+// In full flexion back muscles fall silent (Floyd and Silver 1955, J Physiol 129:184-203), and
+// passive tissue bears the weight of the trunk: 120 Nm in men (Dolan et al. 1994, J Biomech
+// 27:1077-1085), passive muscle and fascia included. The spine gets this share of the moment of the
+// weight above (weightAbove); without ligaments more would crush the discs.
+constexpr double kHangingShare = 1.0 / 3;
+// Throws Error.
+LumbarBends bendLumbarSpine(const Anatomy& anatomy, const Skeleton& skeleton, bool ligaments);
+
+// Gaps of the whole spine, by level, in the pure voluntary motions (spine_load.h), to either side,
+// and so many mixtures of them, in `kMotionSteps` poses each. progress: share done. Throws Error.
+constexpr int kMotionSteps = 3;
+std::vector<GapStatistics> measureGaps(const Anatomy& anatomy, const Skeleton& skeleton, bool discs,
+                                       int mixtures, unsigned seed,
+                                       const std::function<void(double)>& progress);
 
 struct AblationReport {
-  SpineAblation whole, without_ligaments, without_discs;  // the last one without a bend
+  LumbarBends whole, without_ligaments;                 // may be empty
+  std::vector<GapStatistics> gaps, gaps_without_discs;  // may be empty
 };
 
-// Each spine in the same motions: the pure voluntary ones (spine_load.h), to either side, and so
-// many mixtures of them, in `kMotionSteps` poses each. progress: share done. Throws Error.
-constexpr int kMotionSteps = 3;
-AblationReport measureAblation(const Anatomy& anatomy, const Skeleton& skeleton, int mixtures,
-                               unsigned seed, int threads,
-                               const std::function<void(double)>& progress);
-
-// Writes l5.csv, bend.csv, gaps.csv and ablation.gp, which draws ablation.png, into `folder`, which
-// is made if need be. Throws Error.
+// Of what the report has, writes bend.csv, hanging.csv, gaps.csv and ablation.gp, which draws
+// ablation.png, into `folder`, which is made if need be. Throws Error.
 void writeAblationPlots(const std::string& folder, const Anatomy& anatomy,
                         const AblationReport& report);
 

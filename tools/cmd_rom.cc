@@ -15,6 +15,7 @@
 #include "tools/error.h"
 #include "tools/gnuplot.h"
 #include "tools/paths.h"
+#include "tools/preload_study.h"
 #include "tools/progress_bar.h"
 #include "tools/rom_plots.h"
 #include "tools/rom_report.h"
@@ -322,7 +323,9 @@ void addRom(CLI::App& app) {
       "  torso rom --plot out/rom                     # also moment-angle curves\n"
       "  torso rom --level L4/L5 --without ligaments\n"
       "  torso rom --whole --plot out/whole           # whole spine, totals of regions; minutes\n"
-      "  torso rom --follower --json | jq .regions");
+      "  torso rom --follower --json | jq .regions\n"
+      "  torso rom --preload                          # how a follower load stiffens the lumbar "
+      "spine");
   command->add_option("--level", options->levels, "Only these segments, e.g. L4/L5");
   command->add_option("--without", options->without, "Leave these out: ligaments, facets")
       ->check(CLI::IsMember({"ligaments", "facets"}));
@@ -342,8 +345,17 @@ void addRom(CLI::App& app) {
       ->needs(flag)
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->callback([options, whole] {
-    if (whole->on) {
+  auto preload = std::make_shared<bool>(false);
+  command
+      ->add_flag(
+          "--preload", *preload,
+          "The lumbar spine instead: stiffness and range of motion under follower loads over "
+          "those without, beside published ratios (model/anatomy/preload.csv)")
+      ->excludes(flag);
+  command->callback([options, whole, preload] {
+    if (*preload) {
+      romPreload(options->json);
+    } else if (whole->on) {
       romWhole(options->json, options->plot_folder, whole->mixtures);
     } else {
       rom(*options);

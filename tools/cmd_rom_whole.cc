@@ -26,7 +26,7 @@ struct RegionRow {
   Motion motion;
   double voluntary, laboratory, without_ribcage;  // [rad]
   const PublishedMotion* in_vivo;
-  std::vector<const PublishedMotion*> ribcage;
+  std::vector<const PublishedMotion*> others, ribcage;  // other sources in vivo
   bool inside() const { return std::abs(voluntary / in_vivo->value - 1) <= kWithin; }
 };
 
@@ -44,10 +44,12 @@ std::vector<RegionRow> regionRows(const WholeSpineReport& report,
                        sum(report.laboratory),
                        sum(report.laboratory_without_ribcage),
                        nullptr,
+                       {},
                        {}};
       for (const PublishedMotion& p : published) {
         if (p.region != region.name || p.motion != motion) continue;
         if (p.loading == "in_vivo") row.in_vivo = &p;
+        if (p.loading == "in_vivo_other") row.others.push_back(&p);
         if (p.loading == "ribcage_removed") row.ribcage.push_back(&p);
       }
       rows.push_back(row);
@@ -100,6 +102,10 @@ void print(const Anatomy& anatomy, const WholeSpineReport& report,
       }
       fmt::print(")");
     }
+    for (const PublishedMotion* p : row.others) {
+      fmt::print("   {:.1f} in vivo, {}: {:+.0f}%", p->value / kDegree, p->source,
+                 100 * (row.voluntary / p->value - 1));
+    }
     fmt::print("\n");
   }
   fmt::print("{} of {} voluntary totals within 10 % of living people's [deg]\n", inside,
@@ -131,6 +137,9 @@ Json describe(const Anatomy& anatomy, const WholeSpineReport& report,
                  {"inside", row.inside()},
                  {"laboratory_deg", row.laboratory / kDegree},
                  {"without_ribcage_deg", row.without_ribcage / kDegree}};
+    for (const PublishedMotion* p : row.others) {
+      json["others_in_vivo"].push_back({{"value_deg", p->value / kDegree}, {"source", p->source}});
+    }
     for (const PublishedMotion* p : row.ribcage) {
       json["published_without_ribcage"].push_back({{"increase", p->value}, {"source", p->source}});
     }

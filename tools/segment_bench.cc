@@ -51,6 +51,12 @@ Vector3d turnAxis(Turn turn) {
   return Vector3d::Zero();
 }
 
+double followerPathBack(double flexion, double force) {
+  constexpr double kStiffness = 15;    // [Nm/rad]
+  constexpr double kLeastForce = 150;  // [N], lest light loads have paths far away
+  return kStiffness * flexion / std::max(force, kLeastForce);
+}
+
 double laboratoryMoment(Region region) {
   return region == Region::kLumbar ? 7.5 : region == Region::kThoracic ? 5 : 2;
 }
@@ -113,7 +119,9 @@ void SegmentBench::settle(const Vector3d& moment) {
       // In the frame of the lower half of the disc, which does not move.
       const Matrix3d R = matrix3(d->site_xmat + 9 * lower_site_);
       const Vector3d force = -follower_ * R.col(2);
-      const Vector3d arm = vector3(d->site_xpos + 3 * upper_site_) - vector3(d->xipos + 3 * upper_);
+      const Vector3d point = vector3(d->site_xpos + 3 * upper_site_) +
+                             path_ * matrix3(d->site_xmat + 9 * upper_site_).col(0);
+      const Vector3d arm = point - vector3(d->xipos + 3 * upper_);
       const Vector3d torque = R * moment + arm.cross(force);
       mju_copy3(d->xfrc_applied + 6 * upper_, force.data());
       mju_copy3(d->xfrc_applied + 6 * upper_ + 3, torque.data());
@@ -148,8 +156,18 @@ std::vector<SegmentPose> SegmentBench::load(Turn turn, double moment, int steps)
 std::vector<SegmentPose> SegmentBench::load(const Vector3d& axis, double moment, int steps) {
   mj_resetData(m_.get(), d_.get());
   mj_forward(m_.get(), d_.get());
-  if (follower_ > 0) settle(Vector3d::Zero());
   start_rotation_ = matrix3(d_->site_xmat + 9 * upper_site_);
+  if (follower_ > 0) {
+    constexpr double kTurns = 0.05 * EIGEN_PI / 180;  // [rad]
+    constexpr int kLongestSearch = 10;
+    for (int i = 0; i < kLongestSearch; i++) {
+      settle(Vector3d::Zero());
+      const double flexion = pose(0, Vector3d::UnitY()).angle;
+      if (std::abs(flexion) < kTurns) break;
+      path_ -= followerPathBack(flexion, follower_);
+    }
+    start_rotation_ = matrix3(d_->site_xmat + 9 * upper_site_);
+  }
   start_position_ = vector3(d_->site_xpos + 3 * upper_site_);
   std::vector<SegmentPose> poses = {pose(0, axis)};
   for (int i = 1; i <= steps; i++) {

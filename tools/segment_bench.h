@@ -36,7 +36,8 @@ struct SegmentPose {
 class SegmentBench {
  public:
   // The skeleton has the bones that the segment is made of. disc: name, "L4/L5". follower:
-  // compression along the disc's axis at its centre [N], there before the moment. Throws Error.
+  // compression along the disc's axis [N], there before the moment, on the path before or behind
+  // the disc's centre on which it does not turn the segment. Throws Error.
   SegmentBench(const Anatomy& anatomy, const Skeleton& skeleton, const std::string& disc,
                const SegmentParts& parts = {}, double follower = 0);
 
@@ -67,8 +68,14 @@ class SegmentBench {
   Eigen::Matrix3d start_rotation_;  // of the upper site without moment
   Eigen::Vector3d start_position_;
   double follower_;
+  double path_ = 0;  // of the follower load in front of the disc's centre [m]
   std::vector<std::string> ligaments_;
 };
+
+// How far back [m] to move the path of a follower load [N] that has flexed a level by so much
+// [rad]: by what would hold a level softer than any. A few rounds of this find the path on which
+// compression turns nothing (Patwardhan et al. 1999, Spine 24:1003-1009).
+double followerPathBack(double flexion, double force);
 
 // Moment at which laboratories compare segments of a region [Nm]: Wilke et al. 1998, Eur Spine J
 // 7:148-154, recommend 7.5 for lumbar, 5 for thoracic and 2.5 or less for cervical segments.

@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "model/body.h"
 #include "tools/bone_files.h"
 #include "tools/error.h"
+#include "tools/segment_bench.h"
 #include "tools/torso_mjcf.h"
 
 namespace torso::tools {
@@ -40,7 +42,14 @@ WholeSpine::WholeSpine(const Anatomy& whole, const Skeleton& skeleton, const Spi
   MjcfOptions options;
   options.anchored = "pelvis";
   options.only = spineBodies(anatomy);
-  if (parts.ribcage) options.only.push_back("ribcage");
+  if (parts.ribcage && parts.levels == 0) options.only.push_back("ribcage");
+  if (parts.levels > 0) {
+    options.only = {options.anchored};
+    anatomy.discs.resize(parts.levels);
+    for (const Disc& disc : anatomy.discs) {
+      options.only.push_back(bodyOfLevel(anatomy, disc.upper));
+    }
+  }
   options.bones = false;
   options.skeleton = &skeleton;
   m_ = compileModel(mjcfText(anatomy, options), "whole spine");
@@ -106,10 +115,7 @@ void WholeSpine::settle(const SpineLoad& end, double share) {
 }
 
 void WholeSpine::stand(const SpineLoad& load) {
-  // Each round moves the paths by what would hold a level of this stiffness, softer than any, where
-  // the compression has turned it.
-  constexpr double kLevelTurns = 0.1 * EIGEN_PI / 180, kStiffness = 15;  // [rad], [Nm/rad]
-  constexpr double kLeastForce = 150;  // [N], lest light loads have paths far away
+  constexpr double kLevelTurns = 0.1 * EIGEN_PI / 180;  // [rad]
   constexpr int kLongestSearch = 10;
   mj_resetData(m_.get(), d_.get());
   mj_forward(m_.get(), d_.get());
@@ -125,7 +131,7 @@ void WholeSpine::stand(const SpineLoad& load) {
     for (std::size_t k = 0; k < levels_.size(); k++) {
       const double flexion = now.levels[k].y();
       if (load[k].follower > 0) largest = std::max(largest, std::abs(flexion));
-      levels_[k].path -= kStiffness * flexion / std::max(load[k].follower, kLeastForce);
+      levels_[k].path -= followerPathBack(flexion, load[k].follower);
     }
     if (largest < kLevelTurns) break;
     settle(load, 0);

@@ -18,6 +18,7 @@ namespace torso::tools {
 // What is left in; discs that are not have a thousandth of their stiffness.
 struct SpineParts {
   bool ligaments = true, facets = true, discs = true, ribcage = true;
+  int levels = 0;  // only the lowest so many, without the rib cage; 0: all
 };
 
 // What a level carries.
@@ -26,7 +27,7 @@ struct LevelLoad {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   double follower = 0;  // compression along the disc's axis [N], see WholeSpine::load
 };
-using SpineLoad = std::vector<LevelLoad>;  // L5/S1 .. C2/C3
+using SpineLoad = std::vector<LevelLoad>;  // L5/S1 .. C2/C3; those of levels left out are unused
 
 struct SpinePose {
   // Rotation vector of each level's upper bone against its lower one, since the pose of `stand`,

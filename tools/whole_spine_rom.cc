@@ -65,7 +65,7 @@ std::vector<PublishedMotion> readRegionMotion(const std::string& path) {
     const std::string& loading = table.text(i, "loading");
     rows.push_back({table.text(i, "region"), loading,
                     static_cast<Motion>(table.word(i, "motion", motions)),
-                    table.number(i, "value") * (loading == "in_vivo" ? kDegree : 0.01),
+                    table.number(i, "value") * (loading == "ribcage_removed" ? 0.01 : kDegree),
                     table.text(i, "source"), table.text(i, "provenance")});
   }
   return rows;

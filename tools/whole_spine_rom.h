@@ -28,7 +28,7 @@ const std::vector<SpineRegion>& spineRegions();
 struct PublishedMotion {  // a row of region_motion.csv
   std::string region, loading;
   Motion motion;
-  double value;  // [rad]; for "ribcage_removed" a share: 0.4
+  double value;  // [rad]; for loading "ribcage_removed" a share: 0.4
   std::string source, provenance;
 };
 // Throws std::runtime_error that names the file and the line.
