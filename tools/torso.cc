@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   addAblate(app);
   addRetrofit(app);
   addBench(app);
+  addFall(app);
   addBones(app);
   addTimestep(app);
   addTruth(app);
