@@ -26,6 +26,7 @@ void addRun(CLI::App& app);
 void addShoulder(CLI::App& app);
 void addTimestep(CLI::App& app);
 void addTruth(CLI::App& app);
+void addValidate(CLI::App& app);
 void addView(CLI::App& app);
 
 }  // namespace torso::tools

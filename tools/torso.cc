@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
   addBones(app);
   addTimestep(app);
   addTruth(app);
+  addValidate(app);
   addGraft(app);
   addDiscs(app);
   addCalibrateDiscs(app);

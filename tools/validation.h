@@ -4,8 +4,8 @@
 // What `torso validate` runs: a list of sections, each a call of one of torso's own commands, whose
 // JSON becomes rows of a table beside published figures.
 
-#include <nlohmann/json.hpp>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +26,7 @@ struct Section {
   std::string title, about;
   // Of torso, without --json; run in the report's folder, where "ID" may be a folder for plots.
   std::vector<std::string> arguments, short_arguments;  // none: not in the short form
-  double seconds;  // that it takes about, on one idle core
+  double seconds;                                       // that it takes about, on one idle core
   std::function<std::vector<Row>(const Json&)> rows;
 };
 

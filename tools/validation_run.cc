@@ -1,0 +1,202 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <thread>
+
+#include "plugin/mujoco_torso.h"
+#include "tools/error.h"
+#include "tools/files.h"
+#include "tools/paths.h"
+#include "tools/validation.h"
+
+namespace torso::tools {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::string now() {
+  const std::time_t t = std::time(nullptr);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", std::gmtime(&t));
+  return text;
+}
+
+// FNV-1a of the executable and the models that come with it: what results depend on beside the
+// options.
+std::string buildKey() {
+  std::uint64_t h = 0xcbf29ce484222325;
+  const auto add = [&](const std::string& bytes) {
+    for (const char c : bytes) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  };
+  add(readFile("/proc/self/exe"));
+  for (const char* model : {"human.xml", "human_fixed.xml", "human_simple.xml", "torso_held.xml"}) {
+    const std::string path = mjcfFolder() + "/" + model;
+    if (std::filesystem::exists(path)) add(readFile(path));
+  }
+  return fmt::format("{} {:016x}", torso_versionString(), h);
+}
+
+// The command with its output in files of the folder, where it runs.
+pid_t start(const std::vector<std::string>& arguments, const std::string& folder,
+            const std::string& out, const std::string& err) {
+  // Not "/proc/self/exe", which the child would take for itself, but where that leads.
+  const std::string program = arguments[0] == "torso"
+                                  ? std::filesystem::read_symlink("/proc/self/exe").string()
+                                  : arguments[0];
+  std::vector<std::string> words = arguments;
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(),
+                                   O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(),
+                                   O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+  pid_t child = 0;
+  const int failure =
+      posix_spawnp(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failure) throw Error(fmt::format("{}: {}", program, std::strerror(failure)));
+  return child;
+}
+
+// Waits for the child; passes an interrupt on to it. Returns its status as waitpid gives it.
+int waitFor(pid_t child, const std::function<void(double)>& progress,
+            const std::function<bool()>& interrupted) {
+  const Clock::time_point begin = Clock::now();
+  int status = 0;
+  bool told = false;
+  while (waitpid(child, &status, WNOHANG) == 0) {
+    if (interrupted() && !told) {
+      told = true;
+      kill(child, SIGINT);
+    }
+    progress(std::chrono::duration<double>(Clock::now() - begin).count());
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return status;
+}
+
+// As the shell wants it.
+std::string commandText(const std::vector<std::string>& arguments) {
+  std::string text;
+  for (const std::string& word : arguments) {
+    const bool plain = word.find_first_of(" |()[]*$&;<>'\"") == std::string::npos;
+    text += (text.empty() ? "" : " ") + (plain ? word : "'" + word + "'");
+  }
+  return text;
+}
+
+// What the command printed. Programs that are not torso print text.
+Json parsed(const std::string& text, bool json) {
+  if (!json) return text;
+  return Json::parse(text);
+}
+
+void judge(SectionResult& result, int status, const std::string& out, const std::string& err,
+           bool json) {
+  if (WIFSIGNALED(status)) {
+    result.failed = true;
+    result.message = fmt::format("ended by signal {}", WTERMSIG(status));
+    return;
+  }
+  // A command that says that something is amiss may have printed its figures all the same.
+  result.failed = WEXITSTATUS(status) != 0;
+  if (result.failed) {
+    result.message = err.empty() ? fmt::format("exit status {}", WEXITSTATUS(status)) : err;
+  }
+  try {
+    result.output = parsed(out, json);
+  } catch (const Json::exception&) {
+    if (!result.failed) result.message = "it printed no JSON";
+    result.failed = true;
+  }
+}
+
+Json store(const SectionResult& r, const std::string& build) {
+  return {{"build", build},     {"command", r.command}, {"date", r.date},    {"seconds", r.seconds},
+          {"failed", r.failed}, {"message", r.message}, {"output", r.output}};
+}
+
+// The section as it was done before by the same build with the same command.
+std::optional<SectionResult> kept(const std::string& path, const std::string& command,
+                                  const std::string& build) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  Json json;
+  try {
+    json = Json::parse(readFile(path));
+    if (json.at("failed") || json.at("command") != command || json.at("build") != build) {
+      return std::nullopt;
+    }
+    return SectionResult{
+        false, "", command, json.at("date"), json.at("seconds"), json.at("output")};
+  } catch (const Json::exception&) {
+    return std::nullopt;  // somebody else's file: done again
+  }
+}
+
+}  // namespace
+
+std::vector<SectionResult> runSections(
+    const std::vector<Section>& sections, const std::string& folder, bool short_form,
+    const std::function<void(double, const std::string&)>& progress,
+    const std::function<bool()>& interrupted) {
+  makeFolder(folder);
+  const std::string build = buildKey();
+  double all = 0, done = 0;
+  for (const Section& section : sections) all += section.seconds;
+  std::vector<SectionResult> results;
+  for (const Section& section : sections) {
+    std::vector<std::string> words = short_form ? section.short_arguments : section.arguments;
+    const bool own = words[0] == "torso";
+    if (own) words.push_back("--json");
+    SectionResult result;
+    result.command = commandText(words);
+    const std::string path = fmt::format("{}/{}.json", folder, section.id);
+    if (auto before = kept(path, result.command, build)) {
+      results.push_back(*before);
+    } else {
+      result.date = now();
+      const Clock::time_point begin = Clock::now();
+      const std::string temporary = fmt::format("{}/.{}", folder, section.id);
+      const auto absolute = [](const std::string& p) {
+        return std::filesystem::absolute(p).string();
+      };
+      std::filesystem::remove_all(folder + "/" + section.id);  // pictures of another time
+      const pid_t child =
+          start(words, folder, absolute(temporary + ".out"), absolute(temporary + ".err"));
+      const int status = waitFor(
+          child,
+          [&](double seconds) {
+            const double share = std::min(seconds / section.seconds, 0.95);
+            progress((done + share * section.seconds) / all, section.title);
+          },
+          interrupted);
+      const std::string out = readFile(temporary + ".out"), err = readFile(temporary + ".err");
+      std::filesystem::remove(temporary + ".out");
+      std::filesystem::remove(temporary + ".err");
+      if (interrupted()) return results;
+      result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+      judge(result, status, out, err, own);
+      writeFile(path, store(result, build).dump(1) + "\n");
+      results.push_back(result);
+    }
+    done += section.seconds;
+  }
+  return results;
+}
+
+}  // namespace torso::tools
