@@ -67,8 +67,7 @@ void validate(const Options& options) {
   {
     const ProgressBar bar;
     results = runSections(
-        sections, options.folder, options.short_form,
-        [&](double share, const std::string&) { bar.show(share); },
+        sections, options.folder, options.short_form, [&](double share) { bar.show(share); },
         [] { return interrupted != 0; });
   }
   if (interrupted) {

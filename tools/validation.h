@@ -46,23 +46,24 @@ struct SectionResult {
   std::string command;  // as a user types it, in the report's folder
   std::string date;     // when it began, UTC
   double seconds = 0;   // wall time
-  Json output;          // of the command
+  Json output;          // of the command; a text if that is no JSON
+  std::vector<Row> rows;
 };
 
 // Runs sections as processes of this executable in `folder`, one after another. What a section gave
 // is kept in FOLDER/ID.json, as a whole file; it is not run again if it was done by the same build
-// of torso with the same command. progress: told the share that is done, and what runs now. Ends
-// early, without a result for the section at hand, when `interrupted` says so. Throws Error if the
-// folder cannot be written; a section that fails is a result.
-std::vector<SectionResult> runSections(
-    const std::vector<Section>& sections, const std::string& folder, bool short_form,
-    const std::function<void(double, const std::string&)>& progress,
-    const std::function<bool()>& interrupted);
+// of torso with the same command. progress: told the share that is done. Ends early, without a
+// result for the section at hand, once `interrupted` says so. Throws Error if the folder cannot be
+// written; a section that fails, or whose figures cannot be read, is a failed result.
+std::vector<SectionResult> runSections(const std::vector<Section>& sections,
+                                       const std::string& folder, bool short_form,
+                                       const std::function<void(double)>& progress,
+                                       const std::function<bool()>& interrupted);
 
-// One HTML file, complete in itself: pictures of FOLDER/ID/*.png are part of it. Sections without a
-// result are left out. `rows` of a result that is not as expected make the section a failed one.
+// One HTML file, complete in itself: pictures, FOLDER/ID/*.png, are part of it. Sections without a
+// result, at the end, are left out.
 std::string validationPage(const std::vector<Section>& sections,
-                           std::vector<SectionResult>& results, const std::string& folder,
+                           const std::vector<SectionResult>& results, const std::string& folder,
                            bool short_form);
 
 }  // namespace torso::tools

@@ -159,7 +159,8 @@ std::string duration(double seconds) {
 }
 
 std::string sectionHtml(const Section& section, const SectionResult& result,
-                        const std::vector<Row>& rows, const std::string& folder) {
+                        const std::string& folder) {
+  const std::vector<Row>& rows = result.rows;
   std::string html = fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n<p>{}</p>\n", section.id,
                                  escaped(section.title), escaped(section.about));
   html +=
@@ -201,7 +202,7 @@ std::string sectionHtml(const Section& section, const SectionResult& result,
 }  // namespace
 
 std::string validationPage(const std::vector<Section>& sections,
-                           std::vector<SectionResult>& results, const std::string& folder,
+                           const std::vector<SectionResult>& results, const std::string& folder,
                            bool short_form) {
   std::string body, summary;
   double seconds = 0;
@@ -209,18 +210,9 @@ std::string validationPage(const std::vector<Section>& sections,
   std::string first, last;
   for (std::size_t i = 0; i < results.size(); i++) {
     const Section& section = sections[i];
-    SectionResult& result = results[i];
-    std::vector<Row> rows;
-    if (!result.output.is_null()) {
-      try {
-        rows = section.rows(result.output);
-      } catch (const Json::exception& e) {
-        result.failed = true;
-        result.message += fmt::format("{}its figures could not be read: {}",
-                                      result.message.empty() ? "" : "; ", e.what());
-      }
-    }
-    body += sectionHtml(section, result, rows, folder);
+    const SectionResult& result = results[i];
+    const std::vector<Row>& rows = result.rows;
+    body += sectionHtml(section, result, folder);
     seconds += result.seconds;
     if (first.empty() || result.date < first) first = result.date;
     last = std::max(last, result.date);

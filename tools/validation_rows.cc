@@ -322,6 +322,7 @@ std::vector<Row> fallRows(const Json& j) {
       const std::string where = part == std::string("landing") ? ", on landing" : ", all the fall";
       const auto value = [&](const char* key, const std::string& unit) {
         const Json& v = p.at(key);
+        if (v.at("lowest") == v.at("highest")) return number(v.at("mean"), unit);
         return fmt::format("{} ({} - {})", number(v.at("mean"), unit), number(v.at("lowest")),
                            number(v.at("highest")));
       };

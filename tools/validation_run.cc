@@ -100,12 +100,6 @@ std::string commandText(const std::vector<std::string>& arguments) {
   return text;
 }
 
-// What the command printed. Programs that are not torso print text.
-Json parsed(const std::string& text, bool json) {
-  if (!json) return text;
-  return Json::parse(text);
-}
-
 void judge(SectionResult& result, int status, const std::string& out, const std::string& err,
            bool json) {
   if (WIFSIGNALED(status)) {
@@ -118,11 +112,22 @@ void judge(SectionResult& result, int status, const std::string& out, const std:
   if (result.failed) {
     result.message = err.empty() ? fmt::format("exit status {}", WEXITSTATUS(status)) : err;
   }
-  try {
-    result.output = parsed(out, json);
-  } catch (const Json::exception&) {
-    if (!result.failed) result.message = "it printed no JSON";
+  result.output = Json::parse(out, nullptr, false);
+  if (!result.output.is_discarded()) return;
+  result.output = out;
+  if (json && !result.failed) {
     result.failed = true;
+    result.message = "it printed no JSON";
+  }
+}
+
+void readRows(const Section& section, SectionResult& result) {
+  try {
+    result.rows = section.rows(result.output);
+  } catch (const Json::exception& e) {
+    if (result.failed) return;  // no wonder
+    result.failed = true;
+    result.message = fmt::format("its figures could not be read: {}", e.what());
   }
 }
 
@@ -141,8 +146,12 @@ std::optional<SectionResult> kept(const std::string& path, const std::string& co
     if (json.at("failed") || json.at("command") != command || json.at("build") != build) {
       return std::nullopt;
     }
-    return SectionResult{
-        false, "", command, json.at("date"), json.at("seconds"), json.at("output")};
+    SectionResult result;
+    result.command = command;
+    result.date = json.at("date");
+    result.seconds = json.at("seconds");
+    result.output = json.at("output");
+    return result;
   } catch (const Json::exception&) {
     return std::nullopt;  // somebody else's file: done again
   }
@@ -150,13 +159,13 @@ std::optional<SectionResult> kept(const std::string& path, const std::string& co
 
 }  // namespace
 
-std::vector<SectionResult> runSections(
-    const std::vector<Section>& sections, const std::string& folder, bool short_form,
-    const std::function<void(double, const std::string&)>& progress,
-    const std::function<bool()>& interrupted) {
+std::vector<SectionResult> runSections(const std::vector<Section>& sections,
+                                       const std::string& folder, bool short_form,
+                                       const std::function<void(double)>& progress,
+                                       const std::function<bool()>& interrupted) {
   makeFolder(folder);
   const std::string build = buildKey();
-  double all = 0, done = 0;
+  double all = 1e-9, done = 0;
   for (const Section& section : sections) all += section.seconds;
   std::vector<SectionResult> results;
   for (const Section& section : sections) {
@@ -166,8 +175,10 @@ std::vector<SectionResult> runSections(
     SectionResult result;
     result.command = commandText(words);
     const std::string path = fmt::format("{}/{}.json", folder, section.id);
-    if (auto before = kept(path, result.command, build)) {
-      results.push_back(*before);
+    const auto before = kept(path, result.command, build);
+    if (before && section.seconds > 0) {
+      result = *before;
+      readRows(section, result);
     } else {
       result.date = now();
       const Clock::time_point begin = Clock::now();
@@ -182,7 +193,7 @@ std::vector<SectionResult> runSections(
           child,
           [&](double seconds) {
             const double share = std::min(seconds / section.seconds, 0.95);
-            progress((done + share * section.seconds) / all, section.title);
+            progress((done + share * section.seconds) / all);
           },
           interrupted);
       const std::string out = readFile(temporary + ".out"), err = readFile(temporary + ".err");
@@ -191,9 +202,10 @@ std::vector<SectionResult> runSections(
       if (interrupted()) return results;
       result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
       judge(result, status, out, err, own);
+      readRows(section, result);
       writeFile(path, store(result, build).dump(1) + "\n");
-      results.push_back(result);
     }
+    results.push_back(result);
     done += section.seconds;
   }
   return results;

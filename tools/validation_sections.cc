@@ -150,7 +150,7 @@ std::vector<Section> validationSections(const ValidationInput& input) {
     all.push_back(
         {"optimize" + std::to_string(++count),
          "Optimal control: " + std::filesystem::path(absolute(folder)).filename().string(),
-         "What torso optimize has written there.", print, print, 1, optimizeRows});
+         "What torso optimize has written there.", print, print, 0, optimizeRows});
   }
   if (!input.build.empty()) {
     const std::string tests =
