@@ -34,7 +34,7 @@ th { text-align: left; font-weight: 600; font-size: .78rem; color: var(--grey);
   border-bottom: 1px solid #c9d0da; padding: .35rem .8rem .35rem 0; }
 td { border-bottom: 1px solid var(--line); padding: .32rem .8rem .32rem 0; vertical-align: top;
   font-variant-numeric: tabular-nums; }
-td.ours { color: var(--blue); font-weight: 600; }
+td.ours { color: var(--blue); font-weight: 600; min-width: 7rem; }
 td.source { color: var(--grey); font-size: .82rem; }
 td.section { font-size: .85rem; white-space: nowrap; }
 .yes { color: #2c7a4b; } .no { color: var(--red); font-weight: 600; } .none { color: #b6bdc8; }
@@ -45,7 +45,8 @@ details > div { max-height: 34rem; overflow: auto; border: 1px solid var(--line)
   padding: 0 .8rem; margin-top: .4rem; }
 pre { font: .75rem/1.45 "DejaVu Sans Mono", monospace; white-space: pre-wrap; }
 .pictures { display: flex; flex-wrap: wrap; gap: .8rem; margin: 1rem 0; }
-figure { margin: 0; } figure.wide { flex: 1 1 100%; } figure.narrow { flex: 0 1 11.5rem; }
+figure { margin: 0; } figure.wide { flex: 1 1 100%; } figure.narrow { flex: 0 1 24rem; }
+figure.small { flex: 0 1 11.5rem; }
 img { width: 100%; height: auto; border: 1px solid var(--line); display: block; }
 figcaption { font-size: .75rem; color: var(--grey); }
 @media print { body { max-width: none; padding: 0; } details > div { max-height: none; } }
@@ -94,14 +95,22 @@ std::string pictures(const std::string& folder) {
     if (entry.path().extension() == ".png") files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
+  constexpr int kWide = 900, kMany = 4;  // [pixels]; narrower ones stand side by side
+  std::vector<std::string> pngs;
+  for (const auto& file : files) pngs.push_back(readFile(file.string()));
+  const bool many = kMany <= std::count_if(pngs.begin(), pngs.end(), [](const std::string& png) {
+                      return widthOf(png) < kWide;
+                    });
   std::string html;
-  for (const auto& file : files) {
-    constexpr int kWide = 900;  // [pixels]; below it several stand beside each other
-    const std::string png = readFile(file.string()), name = escaped(file.stem().string());
+  for (std::size_t i = 0; i < files.size(); i++) {
+    const std::string name = escaped(files[i].stem().string());
     html += fmt::format(
         "<figure class=\"{}\"><img alt=\"{}\" src=\"data:image/png;base64,{}\">"
         "<figcaption>{}</figcaption></figure>\n",
-        widthOf(png) >= kWide ? "wide" : "narrow", name, base64(png), name);
+        widthOf(pngs[i]) >= kWide ? "wide"
+        : many                    ? "small"
+                                  : "narrow",
+        name, base64(pngs[i]), name);
   }
   return html.empty() ? "" : "<div class=\"pictures\">\n" + html + "</div>\n";
 }

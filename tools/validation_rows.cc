@@ -12,12 +12,9 @@ namespace {
 
 // Three digits are more than any of these figures is good for; counts are whole.
 std::string number(double x, const std::string& unit = "") {
-  const double size = std::abs(x);
-  const std::string digits = x == std::round(x) && size < 1e6 ? fmt::format("{:.0f}", x)
-                             : size >= 100                    ? fmt::format("{:.0f}", x)
-                             : size >= 10                     ? fmt::format("{:.1f}", x)
-                             : size >= 0.1                    ? fmt::format("{:.2f}", x)
-                                                              : fmt::format("{:.3g}", x);
+  const bool whole = std::abs(x) >= 1000 || x == std::round(x);
+  const std::string digits =
+      whole && std::abs(x) < 1e7 ? fmt::format("{:.0f}", x) : fmt::format("{:.3g}", x);
   return unit.empty() ? digits : digits + " " + unit;
 }
 
@@ -113,7 +110,8 @@ std::vector<Row> discRows(const Json& j) {
       Row row{disc.at("name").get<std::string>() + " " + text(t.at("quantity")),
               number(t.at("ours"), unit),
               number(t.at("published"), unit) + range(t.at("low"), t.at("high"))};
-      if (t.at("fit")) row.inside = t.at("inside").get<bool>();
+      // The preload's effect is published for whole segments and pigs only.
+      if (t.at("fit") && t["quantity"] != "preload_ratio") row.inside = t.at("inside").get<bool>();
       row.source =
           t.at("source").get<std::string>() + " (" + t.at("provenance").get<std::string>() + ")";
       rows.push_back(row);
