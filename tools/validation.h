@@ -42,7 +42,7 @@ std::vector<Section> validationSections(const ValidationInput& input);
 
 struct SectionResult {
   bool failed = false;
-  std::string message;  // why it failed
+  std::string message;  // why it failed, or what it remarked
   std::string command;  // as a user types it, in the report's folder
   std::string date;     // when it began, UTC
   double seconds = 0;   // wall time

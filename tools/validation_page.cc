@@ -26,6 +26,7 @@ p { margin: .3rem 0 .8rem; max-width: 46rem; }
 a { color: var(--blue); text-decoration: none; }
 a:hover { text-decoration: underline; }
 .facts { color: var(--grey); font-size: .88rem; }
+.note { white-space: pre-wrap; }
 .facts span { margin-right: 1.4rem; white-space: nowrap; }
 code { font: .85rem/1.5 "JetBrains Mono", "DejaVu Sans Mono", monospace; background: #f4f6f9;
   padding: .1rem .35rem; border-radius: 3px; overflow-wrap: anywhere; }
@@ -178,6 +179,8 @@ std::string sectionHtml(const Section& section, const SectionResult& result,
   if (result.failed) {
     html +=
         "<div class=\"failed\"><strong>failed</strong>: " + escaped(result.message) + "</div>\n";
+  } else if (!result.message.empty()) {
+    html += "<p class=\"facts note\">" + escaped(result.message) + "</p>\n";
   }
   constexpr std::size_t kShown = 30;  // rows; more of them are folded
   std::vector<Row> head;

@@ -24,6 +24,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr const char* kTorso = "torso";  // the first word of a command that this executable runs
+
 std::string now() {
   const std::time_t t = std::time(nullptr);
   char text[32];
@@ -50,7 +52,7 @@ std::string buildKey() {
 pid_t start(const std::vector<std::string>& arguments, const std::string& folder,
             const std::string& out, const std::string& err) {
   // Not "/proc/self/exe", which the child would take for itself, but where that leads.
-  const std::string program = arguments[0] == "torso"
+  const std::string program = arguments[0] == kTorso
                                   ? std::filesystem::read_symlink("/proc/self/exe").string()
                                   : arguments[0];
   std::vector<std::string> words = arguments;
@@ -109,8 +111,9 @@ void judge(SectionResult& result, int status, const std::string& out, const std:
   }
   // A command that says that something is amiss may have printed its figures all the same.
   result.failed = WEXITSTATUS(status) != 0;
-  if (result.failed) {
-    result.message = err.empty() ? fmt::format("exit status {}", WEXITSTATUS(status)) : err;
+  result.message = err.substr(0, err.find_last_not_of('\n') + 1);
+  if (result.failed && err.empty()) {
+    result.message = fmt::format("exit status {}", WEXITSTATUS(status));
   }
   result.output = Json::parse(out, nullptr, false);
   if (!result.output.is_discarded()) return;
@@ -150,11 +153,34 @@ std::optional<SectionResult> kept(const std::string& path, const std::string& co
     result.command = command;
     result.date = json.at("date");
     result.seconds = json.at("seconds");
+    result.message = json.at("message");
     result.output = json.at("output");
     return result;
   } catch (const Json::exception&) {
     return std::nullopt;  // somebody else's file: done again
   }
+}
+
+// Runs the command and fills in the result; a command that cannot be started has failed.
+void perform(const std::vector<std::string>& words, const std::string& folder,
+             const std::string& id, const std::function<void(double)>& progress,
+             const std::function<bool()>& interrupted, SectionResult& result) {
+  const Clock::time_point begin = Clock::now();
+  result.date = now();
+  const std::string hidden = std::filesystem::absolute(folder + "/." + id).string();
+  const std::string out = hidden + ".out", err = hidden + ".err";
+  std::filesystem::remove_all(folder + "/" + id);  // pictures of another time
+  try {
+    const pid_t child = start(words, folder, out, err);
+    const int status = waitFor(child, progress, interrupted);
+    judge(result, status, readFile(out), readFile(err), words[0] == kTorso);
+  } catch (const Error& e) {
+    result.failed = true;
+    result.message = e.what();
+  }
+  std::filesystem::remove(out);
+  std::filesystem::remove(err);
+  result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
 }  // namespace
@@ -165,43 +191,25 @@ std::vector<SectionResult> runSections(const std::vector<Section>& sections,
                                        const std::function<bool()>& interrupted) {
   makeFolder(folder);
   const std::string build = buildKey();
-  double all = 1e-9, done = 0;
+  double all = 1e-9, done = 0;  // [s]
   for (const Section& section : sections) all += section.seconds;
   std::vector<SectionResult> results;
   for (const Section& section : sections) {
     std::vector<std::string> words = short_form ? section.short_arguments : section.arguments;
-    const bool own = words[0] == "torso";
-    if (own) words.push_back("--json");
+    if (words[0] == kTorso) words.push_back("--json");
+    const std::string path = fmt::format("{}/{}.json", folder, section.id);
     SectionResult result;
     result.command = commandText(words);
-    const std::string path = fmt::format("{}/{}.json", folder, section.id);
     const auto before = kept(path, result.command, build);
     if (before && section.seconds > 0) {
       result = *before;
       readRows(section, result);
     } else {
-      result.date = now();
-      const Clock::time_point begin = Clock::now();
-      const std::string temporary = fmt::format("{}/.{}", folder, section.id);
-      const auto absolute = [](const std::string& p) {
-        return std::filesystem::absolute(p).string();
+      const auto show = [&](double seconds) {
+        progress((done + std::min(seconds, 0.95 * section.seconds)) / all);
       };
-      std::filesystem::remove_all(folder + "/" + section.id);  // pictures of another time
-      const pid_t child =
-          start(words, folder, absolute(temporary + ".out"), absolute(temporary + ".err"));
-      const int status = waitFor(
-          child,
-          [&](double seconds) {
-            const double share = std::min(seconds / section.seconds, 0.95);
-            progress((done + share * section.seconds) / all);
-          },
-          interrupted);
-      const std::string out = readFile(temporary + ".out"), err = readFile(temporary + ".err");
-      std::filesystem::remove(temporary + ".out");
-      std::filesystem::remove(temporary + ".err");
+      perform(words, folder, section.id, show, interrupted, result);
       if (interrupted()) return results;
-      result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-      judge(result, status, out, err, own);
       readRows(section, result);
       writeFile(path, store(result, build).dump(1) + "\n");
     }

@@ -122,6 +122,14 @@ TEST_F(Validate, ShowsAFailedSectionAndSaysSo) {
             std::string::npos);
 }
 
+// No ctest where it looks for one: a message, not the end of the report.
+TEST_F(Validate, GoesOnAfterACommandThatCannotBeStarted) {
+  const Result result = run("validate --only tests,info --tests . -o v", "env PATH=/nonexistent");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(result.out.find("failed: ctest: No such file"), std::string::npos) << result.out;
+  EXPECT_NE(readFile(folder_ / "v/index.html").find("<section id=\"info\">"), std::string::npos);
+}
+
 TEST_F(Validate, InterruptedItLeavesWholeFiles) {
   const Result result = run("validate --short --only info,shoulder,identify -o v",
                             "timeout --preserve-status -s INT 1");
