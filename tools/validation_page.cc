@@ -97,21 +97,18 @@ std::string pictures(const std::string& folder) {
   }
   std::sort(files.begin(), files.end());
   constexpr int kWide = 900, kMany = 4;  // [pixels]; narrower ones stand side by side
-  std::vector<std::string> pngs;
-  for (const auto& file : files) pngs.push_back(readFile(file.string()));
-  const bool many = kMany <= std::count_if(pngs.begin(), pngs.end(), [](const std::string& png) {
-                      return widthOf(png) < kWide;
-                    });
+  const auto wide = [](const std::filesystem::path& file) {
+    return widthOf(readFile(file.string())) >= kWide;
+  };
+  const auto narrow = std::stable_partition(files.begin(), files.end(), wide);
+  const char* side_by_side = files.end() - narrow >= kMany ? "small" : "narrow";
   std::string html;
-  for (std::size_t i = 0; i < files.size(); i++) {
-    const std::string name = escaped(files[i].stem().string());
+  for (auto file = files.begin(); file != files.end(); ++file) {
+    const std::string name = escaped(file->stem().string());
     html += fmt::format(
         "<figure class=\"{}\"><img alt=\"{}\" src=\"data:image/png;base64,{}\">"
         "<figcaption>{}</figcaption></figure>\n",
-        widthOf(pngs[i]) >= kWide ? "wide"
-        : many                    ? "small"
-                                  : "narrow",
-        name, base64(pngs[i]), name);
+        file < narrow ? "wide" : side_by_side, name, base64(readFile(file->string())), name);
   }
   return html.empty() ? "" : "<div class=\"pictures\">\n" + html + "</div>\n";
 }

@@ -340,6 +340,9 @@ std::vector<Row> fallRows(const Json& j) {
                       "limit of crash tests: " + number(j.at("hic15_limit")),
                       p.at("hic15").at("highest") <= j["hic15_limit"], "FMVSS 208"});
     }
+    rows.push_back(
+        {torso + ": runs in which the head meets the floor",
+         fmt::format("{} of {}", number(model.at("heads_on_floor")), number(j.at("seeds"))), ""});
   }
   return rows;
 }
