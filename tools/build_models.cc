@@ -1,6 +1,7 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "tools/build_models.h"
 
+#include <filesystem>
 #include <utility>
 
 #include "tools/bone_files.h"
@@ -34,8 +35,21 @@ Skeleton skeletonOf(const Anatomy& anatomy, const std::vector<std::string>& bodi
 
 }  // namespace
 
+std::string humanFile(TorsoKind kind) {
+  return kind == TorsoKind::kDetailed ? "human.xml"
+         : kind == TorsoKind::kFixed  ? "human_fixed.xml"
+                                      : "human_simple.xml";
+}
+
+std::string humanBeside(const std::string& human, TorsoKind kind) {
+  std::filesystem::path path(human);
+  const std::string suffix = std::filesystem::path(humanFile(kind)).stem().string().substr(5);
+  path.replace_filename(path.stem().string() + suffix + path.extension().string());
+  return std::filesystem::exists(path) ? path.string() : "";
+}
+
 Files buildModels(const Anatomy& anatomy, int threads, const std::function<void(double)>& progress,
-                  const OwnBones* own, bool muscles) {
+                  const OwnBones* own, bool muscles, const std::set<TorsoKind>& kinds) {
   MjcfOptions torso, human;
   torso.muscles = human.muscles = muscles;
   human.limbs = true;
@@ -49,11 +63,14 @@ Files buildModels(const Anatomy& anatomy, int threads, const std::function<void(
   writeScene(scene);
   files["scene.xml"] = text(scene);
   writeHeldScene(held);
-  files["torso_held.xml"] = text(held);
-  files["torso.xml"] = mjcfText(anatomy, torso);
-  files["human.xml"] = mjcfText(anatomy, human);
-  human.kind = TorsoKind::kFixed;
-  files["human_fixed.xml"] = mjcfText(anatomy, human);
+  if (kinds.count(TorsoKind::kDetailed)) {
+    files["torso.xml"] = mjcfText(anatomy, torso);
+    files["torso_held.xml"] = text(held);
+  }
+  for (const TorsoKind kind : kinds) {
+    human.kind = kind;
+    files[humanFile(kind)] = mjcfText(anatomy, human);
+  }
   return files;
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <future>
 #include <iostream>
 #include <memory>
@@ -11,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/build_models.h"
 #include "tools/commands.h"
 #include "tools/error.h"
 #include "tools/mujoco_support.h"
@@ -118,16 +118,10 @@ Json partsJson(const std::vector<StepParts>& measured, double step_us) {
   return parts;
 }
 
-// "<folder>/human_fixed.xml" for "<folder>/human.xml"; "" if it is not there.
-std::string fixedModelBeside(const std::string& model) {
-  std::filesystem::path path(model);
-  path.replace_filename(path.stem().string() + "_fixed" + path.extension().string());
-  return std::filesystem::exists(path) ? path.string() : "";
-}
-
 Json bench(const Options& options) {
   const std::string path = options.model.empty() ? mjcfFolder() + "/human.xml" : options.model;
-  const std::string fixed_path = options.fixed.empty() ? fixedModelBeside(path) : options.fixed;
+  const std::string fixed_path =
+      options.fixed.empty() ? humanBeside(path, TorsoKind::kFixed) : options.fixed;
   const Subject at600(path, 600), at200(path, 200);
   const DataPtr second = makeData(at600.m.get());
   std::unique_ptr<Subject> fixed;

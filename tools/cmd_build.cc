@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <thread>
 
@@ -28,6 +29,7 @@ constexpr double kDegree = M_PI / 180;
 struct Options {
   std::string output, anatomy, sex = "m";
   double stature = 0, mass = 0, lordosis = 0, kyphosis = 0, sacral_slope = 0;
+  std::vector<std::string> torso = {};  // empty: all
   int threads = 0;
   bool json = false, muscles = false;
 };
@@ -42,6 +44,18 @@ Person personOf(const Options& options, const CLI::App& command) {
   if (command.count("--kyphosis")) person.kyphosis = options.kyphosis * kDegree;
   if (command.count("--sacral-slope")) person.sacral_slope = options.sacral_slope * kDegree;
   return person;
+}
+
+std::set<TorsoKind> kindsOf(const Options& options) {
+  const std::map<std::string, TorsoKind> named = {{"detailed", TorsoKind::kDetailed},
+                                                  {"fixed", TorsoKind::kFixed},
+                                                  {"simple", TorsoKind::kSimple}};
+  std::set<TorsoKind> kinds;
+  for (const auto& [name, kind] : named) {
+    const auto& asked = options.torso;
+    if (asked.empty() || std::count(asked.begin(), asked.end(), name)) kinds.insert(kind);
+  }
+  return kinds;
 }
 
 Json describe(const Anatomy& anatomy, const Options& options) {
@@ -95,7 +109,8 @@ void build(Options& options, const CLI::App& command) {
   {
     const ProgressBar bar;
     files = buildModels(
-        anatomy, options.threads, [&](double share) { bar.show(share); }, nullptr, options.muscles);
+        anatomy, options.threads, [&](double share) { bar.show(share); }, nullptr, options.muscles,
+        kindsOf(options));
   }
   std::map<std::string, std::string> by_path;
   for (const auto& [name, content] : files) by_path[options.output + "/" + name] = content;
@@ -118,13 +133,22 @@ void addBuild(CLI::App& app) {
   command->footer(
       "Writes torso.xml (torso, head, pelvis, shoulder girdle), human.xml (whole body on a "
       "floor),\n"
-      "human_fixed.xml (the same with one rigid torso), torso_held.xml, scene.xml (floor and "
-      "light)\n"
-      "and assets/, all of them or none. What is not told about the person is as in the tables: a\n"
+      "human_fixed.xml (the same with one rigid torso), human_simple.xml (with three ball joints "
+      "in "
+      "the\n"
+      "spine's place), torso_held.xml, scene.xml (floor and light) and assets/, all of them or "
+      "none;\n"
+      "--torso: only the whole bodies with such a torso, and what they need. Bones, masses, limbs "
+      "and\n"
+      "contacts are the same in all; where the torso is fixed or simple, clavicles and scapulae "
+      "are "
+      "part\n"
+      "of the rib cage. What is not told about the person is as in the tables: a\n"
       "man of 1.70 m and 72 kg with a lordosis of 60 and a kyphosis of 41 degrees.\n\n"
       "Examples:\n"
       "  torso build                           refresh the models that come with the project\n"
       "  torso build --anatomy mine -o models  from tables of your own\n"
+      "  torso build --torso simple -o models  human_simple.xml, scene.xml and assets/\n"
       "  torso build --stature 1.85 --mass 90 --sex f --lordosis 55 --kyphosis 40 -o models");
   command->add_option("-o,--output", options->output, "Folder to write into (default: mjcf)");
   command->add_option("--anatomy", options->anatomy, "Folder of the anatomy tables");
@@ -140,6 +164,11 @@ void addBuild(CLI::App& app) {
                       "that balances the body)");
   command->add_option("--threads", options->threads, "Threads (default: all)")
       ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--torso", options->torso,
+                   "detailed, fixed or simple; several with commas (default: all)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"detailed", "fixed", "simple"}));
   command->add_flag("--muscles", options->muscles,
                     "With the trunk's muscles: spatial tendons with actuators, off at control 0");
   command->add_flag("--json", options->json, "Print JSON");

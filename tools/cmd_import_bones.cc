@@ -69,8 +69,10 @@ void addImportBones(CLI::App& app) {
     std::map<std::string, std::string> by_path;
     for (auto& [name, content] : files) by_path[options->output + "/" + name] = content;
     writeFiles(by_path);
-    fmt::print("{}: torso.xml, human.xml, human_fixed.xml, scene.xml, torso_held.xml, assets/\n",
-               options->output);
+    fmt::print(
+        "{}: torso.xml, human.xml, human_fixed.xml, human_simple.xml, scene.xml, "
+        "torso_held.xml, assets/\n",
+        options->output);
     fmt::print("own bones: {}\n", fmt::join(torso.imported, " "));
     fmt::print("body of {:.2f} m and {:.1f} kg\n", torso.anatomy.stature(), torso.anatomy.mass());
   });

@@ -13,6 +13,7 @@ void addBones(CLI::App& app);
 void addBuild(CLI::App& app);
 void addCalibrateDiscs(CLI::App& app);
 void addDiscs(CLI::App& app);
+void addFall(CLI::App& app);
 void addGraft(CLI::App& app);
 void addIdentify(CLI::App& app);
 void addImportBones(CLI::App& app);
@@ -25,6 +26,7 @@ void addRun(CLI::App& app);
 void addShoulder(CLI::App& app);
 void addTimestep(CLI::App& app);
 void addTruth(CLI::App& app);
+void addValidate(CLI::App& app);
 void addView(CLI::App& app);
 
 }  // namespace torso::tools

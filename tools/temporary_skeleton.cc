@@ -5,6 +5,7 @@
 
 #include "model/body.h"
 #include "tools/mjcf.h"
+#include "tools/simple_trunk.h"
 #include "tools/torso_mjcf.h"
 
 namespace torso::tools {
@@ -17,9 +18,9 @@ using tinyxml2::XMLElement;
 
 class SkeletonWriter {
  public:
-  SkeletonWriter(const Anatomy& a, const std::string& meshes,
+  SkeletonWriter(const Anatomy& anatomy, const std::string& meshes,
                  const std::map<std::string, double>& limb_scale)
-      : a_(a), meshes_(meshes), limb_scale_(limb_scale) {}
+      : a_(withSimpleTrunk(anatomy)), meshes_(meshes), limb_scale_(limb_scale) {}
 
   std::string write() {
     XMLElement* root = document_.NewElement("mujoco");
@@ -31,33 +32,22 @@ class SkeletonWriter {
     asset_ = Element(root, "asset");
     Element world(root, "worldbody");
     XMLElement* pelvis = body(world, "", "pelvis", bodyFrame(a_, "pelvis"));
-    const auto disc = [&](const std::string& name) {
-      for (const Disc& d : a_.discs) {
-        if (d.name == name) return Isometry3d(Eigen::Translation3d(d.frame.translation()));
-      }
-      throw std::runtime_error("anatomy: no disc is called '" + name + "'");
-    };
-    const Isometry3d lumbar = disc("L4/L5"), thoracic = disc("T12/L1"), cervical = disc("C7/T1");
-    XMLElement* abdomen = body(pelvis, "pelvis", "abdomen", lumbar);
-    ball(abdomen, "lumbar", Vector3d::Zero());
-    const Isometry3d cage = bodyFrame(a_, "ribcage");
-    XMLElement* ribcage = body(abdomen, "abdomen", "ribcage", cage);
+    XMLElement* abdomen = body(pelvis, "pelvis", "abdomen", bodyFrame(a_, "abdomen"));
+    joint(abdomen, "abdomen");
+    XMLElement* ribcage = body(abdomen, "abdomen", "ribcage", bodyFrame(a_, "ribcage"));
     stretch(ribcage, "back_length", "L5", "T1");
-    ball(ribcage, "thoracic", cage.inverse() * thoracic.translation());
-    XMLElement* neck = body(ribcage, "ribcage", "neck", cervical);
-    ball(neck, "cervical", Vector3d::Zero());
+    joint(ribcage, "ribcage");
+    XMLElement* neck = body(ribcage, "ribcage", "neck", bodyFrame(a_, "neck"));
+    joint(neck, "neck");
     XMLElement* head = body(neck, "neck", "head", bodyFrame(a_, "head"));
     stretch(head, "neck_length", "T1", "C3");
-    ball(head, "head", Vector3d::Zero());
+    joint(head, "head");
     for (const std::string side : {"left_", "right_"}) {
       limb(ribcage, "ribcage", side, {"clavicle", "scapula", "upper_arm", "lower_arm", "hand"});
       limb(pelvis, "pelvis", side, {"thigh", "shin", "foot"});
     }
     for (const Vertebra& v : a_.vertebrae) {  // for the eye only
-      const std::string on = v.name == "L5"                  ? "pelvis"
-                             : v.region == Region::kLumbar   ? "abdomen"
-                             : v.region == Region::kThoracic ? "ribcage"
-                                                             : "neck";
+      const std::string on = simpleTrunkBody(a_, v.name);
       bones(bodies_.at(on), frames_.at(on), v.name);
     }
     tinyxml2::XMLPrinter printer;
@@ -81,8 +71,17 @@ class SkeletonWriter {
     return element;
   }
 
-  void ball(XMLElement* body, const std::string& name, const Vector3d& position) {
-    Element(body, "joint").set("name", name).set("type", "ball").set("pos", position);
+  // The ball joint that hangs the body of that name on its parent.
+  void joint(XMLElement* element, const std::string& body) {
+    const auto [side, name] = splitSide(body);
+    for (const BallJoint& joint : a_.joints) {
+      if (joint.child != name) continue;
+      const Vector3d centre = side == Side::kRight ? mirror(joint.position) : joint.position;
+      Element(element, "joint")
+          .set("name", body.substr(0, body.size() - name.size()) + joint.name)
+          .set("type", "ball")
+          .set("pos", Vector3d(frames_.at(body).inverse() * centre));
+    }
   }
 
   // How much longer the spine gets as its curves flatten: at most by what its way from vertebra to
@@ -111,9 +110,7 @@ class SkeletonWriter {
     for (const char* segment : segments) {
       const std::string name = side + segment;
       parent = body(parent, parent_name, name, bodyFrame(a_, name));
-      for (const BallJoint& joint : a_.joints) {
-        if (joint.child == segment) ball(parent, side + joint.name, Vector3d::Zero());
-      }
+      joint(parent, name);
       parent_name = name;
     }
   }
@@ -140,7 +137,7 @@ class SkeletonWriter {
     }
   }
 
-  const Anatomy& a_;
+  const Anatomy a_;
   const std::string& meshes_;
   const std::map<std::string, double>& limb_scale_;
   tinyxml2::XMLDocument document_;

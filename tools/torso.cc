@@ -37,9 +37,11 @@ int main(int argc, char** argv) {
   addAblate(app);
   addRetrofit(app);
   addBench(app);
+  addFall(app);
   addBones(app);
   addTimestep(app);
   addTruth(app);
+  addValidate(app);
   addGraft(app);
   addDiscs(app);
   addCalibrateDiscs(app);

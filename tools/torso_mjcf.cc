@@ -14,6 +14,7 @@
 #include "model/muscle.h"
 #include "tools/collision_shapes.h"
 #include "tools/mjcf.h"
+#include "tools/simple_trunk.h"
 
 namespace torso::tools {
 namespace {
@@ -42,8 +43,6 @@ constexpr double kFacetMargin = 0.1, kFacetGap = 0.3;
 // linear bushing. Translation: a rib bends by a millimetre under some newtons (Schultz et al. 1974,
 // J Biomech 7:303-309), a pair near its vertebra is taken as stiffer. Rotation: so that the cage's
 // share of the thorax' stiffness is as measured in vitro (region_motion.csv; torso rom --whole).
-constexpr const char* kBushingLevels[] = {"T1", "T2", "T3", "T4", "T5",
-                                          "T6", "T7", "T8", "T9", "T10"};
 constexpr double kBushing[4] = {1e4, 200, 5, 1};  // [N/m, Ns/m, Nm/rad, Nms/rad]
 
 // Rows exist from this distance before the limit, so that the plugin can stop a fast ligament at
@@ -77,8 +76,9 @@ class Writer {
   }
   bool detailed() const { return o_.kind == TorsoKind::kDetailed; }
   std::string named(const std::string& name) const { return o_.prefix + name; }
-  // Body in which a body of the anatomy is moulded: itself, or the one rigid torso.
+  // Body in which a body of the anatomy is moulded: itself, or a rigid part of the torso.
   std::string host(const std::string& body) const;
+  std::vector<std::string> hosts() const;  // all of them, in the order of the MJCF
   Isometry3d frame(const std::string& body) const { return bodyFrame(a_, host(body)); }
   Vector3d local(const std::string& body, const Vector3d& standing) const {
     return frame(body).inverse() * standing;
@@ -130,7 +130,17 @@ bool isRigidPart(const std::string& body) {
 }
 
 std::string Writer::host(const std::string& body) const {
-  return !detailed() && isRigidPart(body) && body != "head" ? "pelvis" : body;
+  if (detailed() || !isRigidPart(body) || body == "head") return body;
+  return o_.kind == TorsoKind::kSimple ? simpleTrunkBody(a_, body) : "pelvis";
+}
+
+std::vector<std::string> Writer::hosts() const {
+  std::vector<std::string> all;
+  for (const std::string& body : mjcfBodies(a_, o_)) {
+    const std::string name = host(body);
+    if (std::find(all.begin(), all.end(), name) == all.end()) all.push_back(name);
+  }
+  return all;
 }
 
 void Writer::write() {
@@ -416,6 +426,9 @@ XMLElement* Writer::writeBody(XMLElement* parent, const std::string& parent_name
           .set("stiffness", joint.stiffness)
           .set("damping", joint.damping)
           .set("armature", joint.armature);
+      const Vector3d centre =
+          local(body, side == Side::kRight ? mirror(joint.position) : joint.position);
+      if (!centre.isZero(1e-9)) ball.set("pos", centre);
       // In degrees, MJCF's default, so that the file can be included in others.
       if (joint.limit > 0) {
         const bool capsule = joint.slack < joint.limit;
@@ -429,8 +442,7 @@ XMLElement* Writer::writeBody(XMLElement* parent, const std::string& parent_name
   for (const std::string& part : mjcfBodies(a_, o_)) {
     if (host(part) == body) writeBones(element, part);
   }
-  for (const std::string& child : mjcfBodies(a_, o_)) {
-    if (host(child) != child) continue;
+  for (const std::string& child : hosts()) {
     const auto [side, name] = splitSide(child);
     for (const BallJoint& joint : a_.joints) {
       if (joint.child != name) continue;
@@ -442,10 +454,11 @@ XMLElement* Writer::writeBody(XMLElement* parent, const std::string& parent_name
 
 void Writer::writeBodies() {
   Element world(root_, "worldbody");
-  for (const std::string& body : mjcfBodies(a_, o_)) {
-    const bool root = body == "pelvis" || body == "ribcage" ||
-                      (splitSide(body).first == Side::kMiddle && body != "head");
-    if (root && host(body) == body) writeBody(world, "", body);
+  for (const std::string& body : hosts()) {
+    const bool hangs = std::any_of(a_.joints.begin(), a_.joints.end(), [&](const BallJoint& joint) {
+      return joint.child == splitSide(body).second;
+    });
+    if (!hangs) writeBody(world, "", body);
   }
   if (!has("pelvis")) return;
   Element(bodies_["pelvis"], "camera")
@@ -549,8 +562,9 @@ void Writer::writeContacts() {
       const std::string body = part == std::string("ribcage") ? part : std::string(side) + part;
       exclude(std::string(side) + "upper_arm", body);
     }
-    exclude(std::string(side) + "thigh", "L5");
-    exclude(std::string(side) + "thigh", "L4");
+    for (const char* level : {"L5", "L4"}) {
+      if (host(level) != "pelvis") exclude(std::string(side) + "thigh", host(level));
+    }
   }
   exclude("head", "ribcage");
   // The bits keep trunk and spine from meeting themselves, and the geoms of facets from meeting
@@ -621,7 +635,7 @@ void Writer::writeEqualities() {
     weld(disc.name, bodyOfLevel(a_, disc.upper), bodyOfLevel(a_, disc.lower),
          disc.frame.translation());
   }
-  for (const std::string level : kBushingLevels) {
+  for (const std::string level : kSternalLevels) {
     if (!has("ribcage") || !has(level)) continue;
     weld("ribcage_" + level, "ribcage", level, a_.vertebra(level).position);
   }
@@ -775,7 +789,7 @@ void Writer::writeCustom() {
   const double force = a_.mass_scale, torque = force * a_.length_scale * a_.length_scale;
   numeric("bushing:ribcage",
           {force * kBushing[0], force * kBushing[1], torque * kBushing[2], torque * kBushing[3]});
-  for (const std::string level : kBushingLevels) {
+  for (const std::string level : kSternalLevels) {
     if (!has("ribcage") || !has(level)) continue;
     const std::string name = "ribcage_" + level;
     Element bushing(custom, "tuple");
@@ -831,12 +845,13 @@ std::vector<std::string> mjcfBodies(const Anatomy& anatomy, const MjcfOptions& o
 void writeMjcf(const Anatomy& anatomy, const MjcfOptions& options,
                tinyxml2::XMLDocument& document) {
   MjcfOptions o = options;
+  const bool simple = o.kind == TorsoKind::kSimple;
   if (o.height == 0) o.height = -anatomy.landmark("sole").z();
   document.InsertEndChild(document.NewComment(
       " Written by `torso build` from the anatomy tables; edit those, not this file. "));
   tinyxml2::XMLElement* root = document.NewElement("mujoco");
   document.InsertEndChild(root);
-  Writer(anatomy, o, root).write();
+  Writer(simple ? withSimpleTrunk(anatomy) : anatomy, o, root).write();
 }
 
 std::string mjcfText(const Anatomy& anatomy, const MjcfOptions& options) {

@@ -16,7 +16,10 @@ namespace torso::tools {
 
 enum class TorsoKind {
   kDetailed,  // free vertebrae, discs, ligaments, facets
-  kFixed,     // pelvis to neck one rigid body: for comparisons
+  // For comparisons: the same bones, masses, limbs and contacts; clavicles and scapulae are part of
+  // the rigid rib cage.
+  kFixed,   // pelvis to neck one rigid body
+  kSimple,  // three ball joints, as common humanoids have (tools/simple_trunk.h)
 };
 
 struct MjcfOptions {

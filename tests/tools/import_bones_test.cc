@@ -294,8 +294,8 @@ TEST_F(ImportBones, WritesModelsThatSimulate) {
   EXPECT_THAT(result.err, HasSubstr("unit: m (guessed"));
   EXPECT_THAT(result.err, HasSubstr("axes: ASR (guessed"));
   EXPECT_THAT(result.out, HasSubstr("own bones: L2 L3 L4"));
-  for (const char* file : {"torso.xml", "human.xml", "human_fixed.xml", "scene.xml",
-                           "torso_held.xml", "assets/L3.stl", "assets/ribcage.stl"}) {
+  for (const char* file : {"torso.xml", "human.xml", "human_fixed.xml", "human_simple.xml",
+                           "scene.xml", "torso_held.xml", "assets/L3.stl", "assets/ribcage.stl"}) {
     EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / file)) << file;
   }
   EXPECT_EQ(run("run out/torso_held.xml --seconds 0.3").status, 0);

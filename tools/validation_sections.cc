@@ -1,0 +1,172 @@
+// Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
+
+// The sections of `torso validate`. To add one: a line here, and a function in validation_rows.cc
+// that turns the JSON of its command into rows, or plainRows.
+#include <filesystem>
+
+#include "tools/paths.h"
+#include "tools/validation.h"
+#include "tools/validation_rows.h"
+
+namespace torso::tools {
+
+std::vector<Section> validationSections(const ValidationInput& input) {
+  const std::string human = mjcfFolder() + "/human.xml";
+  using Words = std::vector<std::string>;
+  const auto run = [&](const Words& more) {
+    Words words = {"torso", "run", human, "--drop", "2", "--control", "random"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  // id, title, about, command, command of the short form, seconds, rows
+  std::vector<Section> all = {
+      {"info",
+       "The model",
+       "What the whole body consists of, beside the paper's counts.",
+       {"torso", "info", human},
+       {"torso", "info", human},
+       1,
+       infoRows},
+      {"bones",
+       "Bones",
+       "Measures of the generated bones beside published ones, and whether bones, discs and joints "
+       "fit each other. Inside: within two standard deviations, or a tolerance where none is "
+       "published.",
+       {"torso", "bones", "--plot", "bones"},
+       {"torso", "bones", "--only", "L4"},
+       60,
+       boneRows},
+      {"discs",
+       "Discs on the bench",
+       "Each disc between its two bones, without ligaments and facets, under the loads of "
+       "published "
+       "in-vitro tests.",
+       {"torso", "discs", "--plot", "discs"},
+       {"torso", "discs", "--level", "L4/L5"},
+       60,
+       discRows},
+      {"rom",
+       "Range of motion, segment by segment",
+       "Each segment cut out of the body, under pure moments, as laboratories do.",
+       {"torso", "rom", "--plot", "rom"},
+       {"torso", "rom", "--level", "L4/L5"},
+       40,
+       romRows},
+      {"rom_whole",
+       "Range of motion, whole spine",
+       "The spine with rib cage and head, pelvis clamped, turned to the extremes of voluntary "
+       "motions. Inside: within 10 %.",
+       {"torso", "rom", "--whole", "--plot", "rom_whole"},
+       {},
+       90,
+       wholeSpineRows},
+      {"identify",
+       "Ligaments",
+       "The paper's test of the ligaments' lengths: random actions must reach each extreme pose, "
+       "and must not if any one ligament were a step shorter.",
+       {"torso", "identify", "--check"},
+       {"torso", "identify", "--check", "--level", "L4/L5", "--actions", "4"},
+       60,
+       identifyRows},
+      {"ablate",
+       "Without ligaments, without discs",
+       "What ligaments and discs do to the motion of the whole spine.",
+       {"torso", "ablate", "--plot", "ablate"},
+       {},
+       120,
+       plainRows},
+      {"shoulder",
+       "Shoulder",
+       "Scapulohumeral rhythm: the arm raised in the coronal plane, servos and gravity off.",
+       {"torso", "shoulder", "--plot", "shoulder"},
+       {"torso", "shoulder", "--seconds", "2"},
+       60,
+       shoulderRows},
+      {"pressure",
+       "Pressure in L4/L5",
+       "The body in postures in which the pressure in the nucleus was measured in one man, held by "
+       "servos and by muscles. Inside: within 15 % in standing and holding, 30 % elsewhere.",
+       {"torso", "pressure", "--plot", "pressure"},
+       {"torso", "pressure", "--activity", "standing"},
+       30,
+       pressureRows},
+      {"run", "Falls of 2 m, random controls",
+       "At 600 Hz: no number may go wrong and no table overflow.",
+       run({"--seeds", "40", "--seconds", "5", "--threads", "2"}),
+       run({"--seeds", "1", "--seconds", "1"}), 120, runRows},
+      {"run_200hz",
+       "Falls of 2 m, random controls, 200 Hz",
+       "The same with three times the step.",
+       run({"--seeds", "40", "--seconds", "5", "--threads", "2", "--timestep", "0.005"}),
+       {},
+       50,
+       runRows},
+      {"fall",
+       "A fall, detailed, simple and fixed torso",
+       "The standing body lands on its feet from 2 m with small random controls: mean (lowest - "
+       "highest) of the seeds. Rows of the picture: detailed torso; simple one of three ball "
+       "joints; fixed one. Columns: 0.1 s before the first touch, and 0.03, 0.08, 0.15, 0.3, 0.5, "
+       "0.8 and 1.3 s after it.",
+       {"torso", "fall", "--plot", "fall", "--pictures", "fall/strip.png"},
+       {"torso", "fall", "--seeds", "1", "--seconds", "0.75", "--rate", "600"},
+       150,
+       fallRows},
+      {"timestep",
+       "Time step",
+       "What is measured at 600 and 200 Hz against 1800 Hz.",
+       {"torso", "timestep", "--threads", "2"},
+       {},
+       150,
+       timestepRows},
+      {"bench",
+       "Speed",
+       "Processor time of a step on this machine. Other programs that run meanwhile make it "
+       "longer.",
+       {"torso", "bench"},
+       {"torso", "bench", "--seconds", "0.05", "--repetitions", "1"},
+       40,
+       benchRows},
+      {"truth",
+       "Motion capture, known motions",
+       "Motions of the body itself, of which every bone is known, put through the retrofit.",
+       {"torso", "truth", human},
+       {},
+       120,
+       truthRows}};
+  const auto absolute = [](const std::string& path) {
+    return std::filesystem::absolute(path).lexically_normal().string();
+  };
+  if (!input.clips.empty()) {
+    all.push_back({"stats",
+                   "Motion capture, statistics of clips",
+                   "Retrofitted clips: how far levels move and how near vertebrae come.",
+                   {"torso", "stats", absolute(input.clips), "--plot", "stats"},
+                   {"torso", "stats", absolute(input.clips), "--only-whole"},
+                   600,
+                   plainRows});
+  }
+  int count = 0;
+  for (const std::string& folder : input.optimized) {
+    const Words print = {"cat", absolute(folder) + "/result.json"};
+    all.push_back(
+        {"optimize" + std::to_string(++count),
+         "Optimal control: " + std::filesystem::path(absolute(folder)).filename().string(),
+         "What torso optimize has written there.", print, print, 0, optimizeRows});
+  }
+  if (!input.build.empty()) {
+    const std::string tests =
+        "Posture|CarryTheWeight|Conservation|DiscBatch.*Motion|StiffnessConverges|CalculiX|"
+        "[Pp]erson|Viscosity";
+    all.push_back({"tests",
+                   "Tests that print figures",
+                   "What the project's tests say of posture, conservation, convergence and "
+                   "CalculiX.",
+                   {"ctest", "--test-dir", absolute(input.build), "-V", "-R", tests},
+                   {},
+                   300,
+                   testRows});
+  }
+  return all;
+}
+
+}  // namespace torso::tools
