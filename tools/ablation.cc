@@ -9,7 +9,6 @@
 #include <limits>
 #include <numeric>
 
-#include "model/body.h"
 #include "model/parallel.h"
 #include "tools/files.h"
 
@@ -21,36 +20,6 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = EIGEN_PI / 180;
 constexpr int kTrunkLevels = 17;  // L5/S1 .. T1/T2
-
-// Points of the upper body's lower face in the disc's frame at rest, and the bone below.
-struct Gap {
-  std::vector<Vector3d> face;
-  MeshTree lower;
-  double at(const Isometry3d& upper) const {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Vector3d& p : face) least = std::min(least, lower.signedDistance(upper * p));
-    return least;
-  }
-};
-
-Gap makeGap(const Anatomy& anatomy, const Skeleton& skeleton, const Disc& disc) {
-  // Inside of the rim, where cervical bodies have uncinate processes.
-  constexpr double kFace = 0.8;
-  constexpr int kRings = 4, kRays = 12;
-  std::vector<Vector3d> face;
-  const DiscShape& shape = disc.shape;
-  for (int ring = 0; ring <= kRings; ring++) {
-    for (int ray = 0; ray < (ring ? kRays : 1); ray++) {
-      const double r = kFace * ring / kRings, angle = 2 * EIGEN_PI * ray / kRays;
-      const double front = 0.5 * r * std::cos(angle);  // share of the depth
-      const double height = 0.5 * (shape.height_anterior + shape.height_posterior) +
-                            front * (shape.height_anterior - shape.height_posterior);
-      face.push_back({front * shape.depth, 0.5 * r * std::sin(angle) * shape.width, height / 2});
-    }
-  }
-  const TriMesh& bone = skeleton.bone(bodyOfLevel(anatomy, disc.lower)).mesh();
-  return {face, MeshTree(transformed(bone, disc.frame.inverse()))};
-}
 
 double trunkFlexion(const SpinePose& pose) {
   double sum = 0;
@@ -83,7 +52,7 @@ ForwardBend bendForward(const Anatomy& anatomy, WholeSpine& spine) {
   return bend;
 }
 
-SpineAblation ablate(const Anatomy& anatomy, const std::vector<Gap>& gaps, WholeSpine& spine,
+SpineAblation ablate(const Anatomy& anatomy, const std::vector<DiscGap>& gaps, WholeSpine& spine,
                      const std::vector<SpineLoad>& motions, bool bend) {
   SpineAblation result;
   spine.stand(standingLoad(anatomy));
@@ -97,14 +66,8 @@ SpineAblation ablate(const Anatomy& anatomy, const std::vector<Gap>& gaps, Whole
     }
   }
   for (std::size_t i = 0; i < gaps.size(); i++) {
-    const auto& d = distances[i];
-    const double n = static_cast<double>(d.size());
-    const double mean = std::accumulate(d.begin(), d.end(), 0.0) / n;
-    double squares = 0;
-    for (double x : d) squares += (x - mean) * (x - mean);
-    const auto hits = std::count_if(d.begin(), d.end(), [](double x) { return x < 0; });
-    result.gaps.push_back({anatomy.discs[i].name, gaps[i].at(Isometry3d::Identity()), mean,
-                           std::sqrt(squares / n), static_cast<double>(hits) / n});
+    result.gaps.push_back(
+        gapStatistics(anatomy.discs[i].name, gaps[i].at(Isometry3d::Identity()), distances[i]));
   }
   if (bend) result.bend = bendForward(anatomy, spine);
   return result;
@@ -135,8 +98,7 @@ AblationReport measureAblation(const Anatomy& anatomy, const Skeleton& skeleton,
     motions.push_back(mixedLoad(anatomy, w));
   }
   for (const Vector3d& w : randomWeights(mixtures, seed)) motions.push_back(mixedLoad(anatomy, w));
-  std::vector<Gap> gaps;
-  for (const Disc& disc : anatomy.discs) gaps.push_back(makeGap(anatomy, skeleton, disc));
+  const std::vector<DiscGap> gaps = discGaps(anatomy, skeleton);
   AblationReport report;
   std::atomic<int> done{0};
   forEach(3, threads, [&](int i) {

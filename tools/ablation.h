@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/disc_gap.h"
 #include "tools/spine_load.h"
 
 namespace torso::tools {
@@ -21,14 +22,6 @@ struct ForwardBend {
   int levelsForHalf() const;    // how many of them, the largest first, make up half
 };
 constexpr double kForwardBend = 65 * EIGEN_PI / 180;
-
-// The gap between neighbouring vertebral bodies: least distance from the upper body's lower face,
-// taken as that of an elliptic cylinder, to the mesh of the lower bone; below 0 they collide [m].
-struct GapStatistics {
-  std::string disc;
-  double rest, mean, deviation;  // over all poses
-  double collisions;             // share of the poses
-};
 
 struct SpineAblation {
   std::vector<double> l5_flexion;  // L5/S1 over all poses of the motions [rad]

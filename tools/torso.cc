@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
   addRetrofit(app);
   addBench(app);
   addBones(app);
+  addStats(app);
   addTimestep(app);
   addTruth(app);
   addGraft(app);
