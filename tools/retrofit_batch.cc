@@ -86,9 +86,10 @@ std::string summaryCsv(const std::vector<Json>& files) {
 
 class Batch {
  public:
-  Batch(const Anatomy& tables, const RetrofitBatch& batch)
+  Batch(const Anatomy& tables, const RetrofitBatch& batch, const Processes& processes)
       : tables_(tables),
         batch_(batch),
+        processes_(processes),
         settings_({{"rate_hz", batch.rate}, {"map", writePartMap(batch.map, roleMapParts())}}),
         files_(clipFiles(batch.inputs)),
         rows_(files_.size(), Json::array()),
@@ -106,7 +107,7 @@ class Batch {
   Json run() {
     makeFolder(batch_.output);
     writeFile(batch_.output + "/scene.xml", readFile(mjcfFolder() + "/scene.xml"));
-    for (size_t i = 0; i < files_.size(); i++) {
+    for (size_t i = processes_.rank(); i < files_.size(); i += processes_.size()) {
       if (batch_.again || !isDone(i)) todo_.push_back(i);
     }
     int signal = 0;
@@ -123,8 +124,9 @@ class Batch {
       for (std::thread& thread : threads) thread.join();
       if (signal) std::raise(signal);  // as soon as it is let through
     }
-    writeSummary();
     if (!failure_.empty()) throw Error(failure_);
+    gather();
+    writeSummary();
     Json all = Json::array();
     for (const Json& rows : rows_) {
       for (const Json& row : rows) all.push_back(row);
@@ -238,10 +240,22 @@ class Batch {
     return sum / static_cast<double>(std::max<size_t>(1, todo_.size()));
   }
 
-  void writeSummary() const { writeFile(batch_.output + "/summary.csv", summaryCsv(rows_)); }
+  // The rows of the other processes.
+  void gather() {
+    const std::vector<std::string> texts = processes_.gather(Json(rows_).dump());
+    for (size_t rank = 0; rank < texts.size(); rank++) {
+      const Json rows = Json::parse(texts[rank]);
+      for (size_t i = rank; i < files_.size(); i += texts.size()) rows_[i] = rows[i];
+    }
+  }
+
+  void writeSummary() const {
+    if (processes_.rank() == 0) writeFile(batch_.output + "/summary.csv", summaryCsv(rows_));
+  }
 
   const Anatomy& tables_;
   const RetrofitBatch& batch_;
+  const Processes& processes_;
   const Json settings_;
   const std::vector<std::string> files_;
   std::set<std::string> stems_;
@@ -281,8 +295,8 @@ std::vector<std::string> clipFiles(const std::vector<std::string>& inputs) {
   return files;
 }
 
-Json retrofitBatch(const Anatomy& tables, const RetrofitBatch& batch) {
-  return Batch(tables, batch).run();
+Json retrofitBatch(const Anatomy& tables, const RetrofitBatch& batch, const Processes& processes) {
+  return Batch(tables, batch, processes).run();
 }
 
 }  // namespace torso::tools
