@@ -12,6 +12,7 @@
 #include "model/parallel.h"
 #include "tools/error.h"
 #include "tools/files.h"
+#include "tools/forget_models.h"
 #include "tools/graft_xml.h"
 #include "tools/motion_file.h"
 #include "tools/posture.h"
@@ -191,7 +192,7 @@ MotionStatistics measureMotions(const Anatomy& anatomy, const Skeleton& skeleton
   MotionStatistics result;
   std::mutex mutex;
   std::vector<double> shares(clips.size(), 0);
-  forEach(static_cast<int>(clips.size()), options.threads, [&](int i) {
+  const auto work = [&](int i) {
     const std::string path = folder + "/" + clips[i].name;
     const auto show = [&](double share) {
       const std::lock_guard<std::mutex> lock(mutex);
@@ -222,7 +223,13 @@ MotionStatistics measureMotions(const Anatomy& anatomy, const Skeleton& skeleton
       result.errors.push_back(e.what());
     }
     show(1);
-  });
+  };
+  // In rounds, as the plugin keeps something of each body.
+  const int count = static_cast<int>(clips.size()), round = 8 * options.threads;
+  for (int begin = 0; begin < count; begin += round) {
+    forEach(std::min(round, count - begin), options.threads, [&](int i) { work(begin + i); });
+    forgetModels();
+  }
   for (std::size_t i = 0; i < clips.size(); i++) {
     if (!samples[0][i].turns.empty()) result.clips.push_back(clips[i].name);
   }

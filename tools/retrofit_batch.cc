@@ -17,6 +17,7 @@
 #include "tools/clock.h"
 #include "tools/error.h"
 #include "tools/files.h"
+#include "tools/forget_models.h"
 #include "tools/paths.h"
 #include "tools/progress_bar.h"
 #include "tools/retrofit_clip.h"
@@ -114,14 +115,19 @@ class Batch {
     {
       const HeldSignals signals;
       const ProgressBar bar;
-      std::vector<std::thread> threads;
-      running_ = std::min<int>(batch_.jobs, static_cast<int>(todo_.size()));
-      for (int k = running_; k > 0; k--) threads.emplace_back([this] { work(); });
-      while (running_ > 0) {
-        if (const int caught = signals.wait()) signal = caught, stop_ = true;
-        bar.show(share());
+      for (size_t begin = 0; begin < todo_.size() && !stop_; begin += round()) {
+        next_ = begin;
+        end_ = std::min(begin + round(), todo_.size());
+        std::vector<std::thread> threads;
+        running_ = std::min<int>(batch_.jobs, static_cast<int>(end_ - begin));
+        for (int k = running_; k > 0; k--) threads.emplace_back([this] { work(); });
+        while (running_ > 0) {
+          if (const int caught = signals.wait()) signal = caught, stop_ = true;
+          bar.show(share());
+        }
+        for (std::thread& thread : threads) thread.join();
+        forgetModels();
       }
-      for (std::thread& thread : threads) thread.join();
       if (signal) std::raise(signal);  // as soon as it is let through
     }
     if (!failure_.empty()) throw Error(failure_);
@@ -161,8 +167,11 @@ class Batch {
     return true;
   }
 
+  // So many files, then what the plugin keeps of their bodies is freed.
+  size_t round() const { return 16 * static_cast<size_t>(batch_.jobs); }
+
   void work() {
-    for (size_t k; !stop_ && (k = next_++) < todo_.size();) {
+    for (size_t k; !stop_ && (k = next_++) < end_;) {
       try {
         workOn(todo_[k]);
       } catch (const Stopped&) {
@@ -261,6 +270,7 @@ class Batch {
   std::set<std::string> stems_;
   std::vector<std::string> stem_of_;  // by files_
   std::vector<size_t> todo_;          // of files_
+  size_t end_ = 0;                    // of the round at hand
   std::atomic<size_t> next_{0};
   std::atomic<int> running_{0};
   std::atomic<bool> stop_{false};
