@@ -92,6 +92,8 @@ void print(const Anatomy& anatomy, const MotionStatistics& statistics) {
   }
   fmt::print("{:<8}{:>26}{:>26}{:>26}\n", "inside", inside[0], inside[1], inside[2]);
 
+  fmt::print("C2/C3: ours with all motion of the head above, as C1 and C2 move with it\n");
+
   const bool others = !statistics.without_discs.gaps.empty();
   fmt::print("\n{:<8}{:>12}{:>18}{:>12}", "level", "gap at rest", "mean +- sd", "collisions");
   if (others) fmt::print("{:>20}{:>12}", "without discs", "collisions");

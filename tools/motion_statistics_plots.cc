@@ -88,11 +88,12 @@ std::string script(const MotionStatistics& statistics) {
       "# Draws the tables beside it: gnuplot stats.gp\n"
       "set datafile separator ','\nset grid lc rgb 'gray85'\n"
       "set style fill solid 0.15 noborder\nset xtics rotate by -40\nset xrange [-0.5:22.5]\n"
-      "set output 'motion_rom.png'\nset terminal pngcairo size 1500,1300 font 'sans,14'\n";
+      "set output 'motion_rom.png'\nset terminal pngcairo size 1500,1350 font 'sans,14'\n";
   text += fmt::format(
-      "set multiplot layout 3,1 title 'Range of motion of each level over {} clips, {:.0f} s, "
-      "outer "
-      "5 %% of frames left out; human: model/anatomy/range\\\\_of\\\\_motion.csv'\n",
+      "set offsets 0,0,graph 0.25,0\nset key at graph 0.5,0.97 center top horizontal\n"
+      "set multiplot layout 3,1 title \"Range of motion of each level over {} clips, {:.0f} s, the "
+      "outer 5 % of frames left out\\nC2/C3: ours with all motion of the head above, as C1 and C2 "
+      "move with it\" noenhanced\n",
       statistics.clips.size(), statistics.seconds);
   const bool others = !statistics.without_ligaments.turns.empty();
   int column = 2;
@@ -113,7 +114,7 @@ std::string script(const MotionStatistics& statistics) {
     column += 5;
   }
   text +=
-      "unset multiplot\nset output 'motion_gaps.png'\n"
+      "unset multiplot\nset offsets 0,0,0,0\nset key default\nset output 'motion_gaps.png'\n"
       "set terminal pngcairo size 1500,1000 font 'sans,14'\nset multiplot layout 2,1\n"
       "set title 'Distance of vertebral bodies against rest: mean and standard deviation over all "
       "frames'\nset ylabel 'change [mm]'\nset yrange [*:*]\nset key bottom right\n"
@@ -132,9 +133,9 @@ std::string script(const MotionStatistics& statistics) {
       "set title 'L5 against the sacrum over all frames'\nset xtics norotate autofreq\n"
       "set xlabel 'extension (-), flexion (+) [deg]'\nset ylabel 'share of the frames [%]'\n"
       "set xrange [-40:70]\nset style fill solid 0.5 noborder\n"
-      "plot 'l5.csv' skip 1 using 1:(100*$3) with boxes lc rgb '#d98c3f' title 'without "
-      "ligaments', "
-      "\\\n  '' skip 1 using 1:(100*$2) with boxes lc rgb '#1f4e9c' title 'with ligaments'\n";
+      "plot 'l5.csv' skip 1 using 1:(100*$2) with boxes lc rgb '#1f4e9c' title 'with ligaments', "
+      "\\\n  '' skip 1 using 1:(100*$3) with histeps lw 2 lc rgb '#d98c3f' title 'without "
+      "ligaments'\n";
   return text;
 }
 
