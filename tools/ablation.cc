@@ -6,10 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <numeric>
 
-#include "model/body.h"
 #include "tools/files.h"
 
 namespace torso::tools {
@@ -20,36 +18,6 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = EIGEN_PI / 180;
 constexpr int kLumbarLevels = 6;  // L5/S1 .. T12/L1
-
-// Points of the upper body's lower face in the disc's frame at rest, and the bone below.
-struct Gap {
-  std::vector<Vector3d> face;
-  MeshTree lower;
-  double at(const Isometry3d& upper) const {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Vector3d& p : face) least = std::min(least, lower.signedDistance(upper * p));
-    return least;
-  }
-};
-
-Gap makeGap(const Anatomy& anatomy, const Skeleton& skeleton, const Disc& disc) {
-  // Inside of the rim, where cervical bodies have uncinate processes.
-  constexpr double kFace = 0.8;
-  constexpr int kRings = 4, kRays = 12;
-  std::vector<Vector3d> face;
-  const DiscShape& shape = disc.shape;
-  for (int ring = 0; ring <= kRings; ring++) {
-    for (int ray = 0; ray < (ring ? kRays : 1); ray++) {
-      const double r = kFace * ring / kRings, angle = 2 * EIGEN_PI * ray / kRays;
-      const double front = 0.5 * r * std::cos(angle);  // share of the depth
-      const double height = 0.5 * (shape.height_anterior + shape.height_posterior) +
-                            front * (shape.height_anterior - shape.height_posterior);
-      face.push_back({front * shape.depth, 0.5 * r * std::sin(angle) * shape.width, height / 2});
-    }
-  }
-  const TriMesh& bone = skeleton.bone(bodyOfLevel(anatomy, disc.lower)).mesh();
-  return {face, MeshTree(transformed(bone, disc.frame.inverse()))};
-}
 
 }  // namespace
 
@@ -105,8 +73,7 @@ std::vector<GapStatistics> measureGaps(const Anatomy& anatomy, const Skeleton& s
   std::vector<Vector3d> weights = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
                                    {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
   for (const Vector3d& w : randomWeights(mixtures, seed)) weights.push_back(w);
-  std::vector<Gap> gaps;
-  for (const Disc& disc : anatomy.discs) gaps.push_back(makeGap(anatomy, skeleton, disc));
+  const std::vector<DiscGap> gaps = discGaps(anatomy, skeleton);
   SpineParts parts;
   parts.discs = discs;
   WholeSpine spine(anatomy, skeleton, parts);
@@ -122,14 +89,8 @@ std::vector<GapStatistics> measureGaps(const Anatomy& anatomy, const Skeleton& s
   }
   std::vector<GapStatistics> statistics;
   for (std::size_t i = 0; i < gaps.size(); i++) {
-    const auto& d = distances[i];
-    const double n = static_cast<double>(d.size());
-    const double mean = std::accumulate(d.begin(), d.end(), 0.0) / n;
-    double squares = 0;
-    for (double x : d) squares += (x - mean) * (x - mean);
-    const auto hits = std::count_if(d.begin(), d.end(), [](double x) { return x < 0; });
-    statistics.push_back({anatomy.discs[i].name, gaps[i].at(Isometry3d::Identity()), mean,
-                          std::sqrt(squares / n), static_cast<double>(hits) / n});
+    statistics.push_back(
+        gapStatistics(anatomy.discs[i].name, gaps[i].at(Isometry3d::Identity()), distances[i]));
   }
   return statistics;
 }

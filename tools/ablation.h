@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/disc_gap.h"
 #include "tools/spine_load.h"
 
 namespace torso::tools {
@@ -24,14 +25,6 @@ struct BentPose {
 // not. Poses from the least bent on.
 BentPose bentBy(const std::vector<BentPose>& poses, double flexion);
 constexpr double kForwardBend = 65 * EIGEN_PI / 180;  // as in the paper
-
-// The gap between neighbouring vertebral bodies: least distance from the upper body's lower face,
-// taken as that of an elliptic cylinder, to the mesh of the lower bone; below 0 they collide [m].
-struct GapStatistics {
-  std::string disc;
-  double rest, mean, deviation;  // over all poses
-  double collisions;             // share of the poses
-};
 
 // In equal strides of the moment from standing to kHangingShare of the trunk's weight.
 struct LumbarBends {

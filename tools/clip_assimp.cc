@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -325,6 +327,14 @@ std::vector<Clip> parseWithAssimp(const std::string& content, const std::string&
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
   // Points and lines without a mesh are no reason to refuse a skeleton.
   const std::string ext = fs::path(path).extension().string();
+  if (ext == ".glb" && content.size() >= 12) {  // assimp leaves out what is not there
+    std::uint32_t size;                         // third word of the header, little-endian
+    std::memcpy(&size, content.data() + 8, sizeof size);
+    if (size > content.size()) {
+      throw Error(
+          fmt::format("{}: the file is cut short: {} bytes of {}", path, content.size(), size));
+    }
+  }
   std::error_code error;
   const aiScene* scene = ext == ".gltf" && fs::is_regular_file(path, error)
                              ? importer.ReadFile(path, 0)  // finds the buffers beside it

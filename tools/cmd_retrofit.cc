@@ -99,7 +99,12 @@ void run(Options options) {
   if (!options.map.empty()) batch.map = readPartMap(options.map, roleMapParts());
   const Anatomy tables = Anatomy::load(options.anatomy.empty() ? anatomyFolder() : options.anatomy);
 
-  const Json rows = only_recognise ? recognise(options, tables) : retrofitBatch(tables, batch);
+  const Processes processes;
+  if (processes.rank() > 0 && only_recognise) return processes.leave();
+  const Json rows =
+      only_recognise ? recognise(options, tables) : retrofitBatch(tables, batch, processes);
+  processes.leave();
+  if (processes.rank() > 0) return;  // the first one tells
   if (options.json) {
     std::cout << rows.dump(2) << '\n';
   } else {
@@ -141,13 +146,15 @@ void addRetrofit(CLI::App& app) {
       "and summary.csv. What is done and newer than its clip is skipped: after Ctrl-C the same\n"
       "command goes on where it was. What fails is reported and does not stop the others; the "
       "exit\n"
-      "status is 0 if all went through, else 1.\n\n"
+      "status is 0 if all went through, else 1. Under mpirun (OpenMPI) the processes share the\n"
+      "files, for one folder that all machines have.\n\n"
       "The table: frames, seconds of motion, core-seconds of work and both divided; how far held\n"
       "bones (head, upper arms) are from where the clip has them, median and 95 % over frames of\n"
       "the worst bone; frames flagged, and why.\n\n"
       "Examples:\n"
       "  torso retrofit walk.bvh -o out\n"
       "  torso retrofit clips/ --jobs 4 -o out\n"
+      "  mpirun -n 8 torso retrofit clips/ -o out\n"
       "  torso render out/walk.xml --motion out/walk.bin --video walk.mp4\n"
       "  torso retrofit odd.glb --explain --write-map map.json   what is taken for what, and why\n"
       "  torso retrofit odd.glb --map map.json -o out            with that corrected");

@@ -16,6 +16,7 @@
 #include "tools/control_option.h"
 #include "tools/error.h"
 #include "tools/files.h"
+#include "tools/motion_file.h"
 #include "tools/mujoco_support.h"
 #include "tools/picture_options.h"
 #include "tools/processes.h"
@@ -33,7 +34,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string model, keyframe, csv, render_folder, vtu_folder, results;
+  std::string model, keyframe, motion, csv, render_folder, vtu_folder, results;
   bool resume = false;
   RolloutOptions rollout;
   double timestep = 0;  // [s], 0: the model's
@@ -124,6 +125,22 @@ void writeFrames(const Options& options, mjModel* m, const std::vector<DataPtr>&
   }
 }
 
+// A motion in place of the simulation: positions and velocities are the motion's, forces those that
+// the model has there.
+void replayInstead(const mjModel* m, const std::string& path, RolloutOptions* rollout) {
+  const auto motion = std::make_shared<const Motion>(motionOf(m, readMotion(path), path));
+  rollout->seconds = std::max(duration(*motion), m->opt.timestep);
+  rollout->control = Control::kNone;
+  rollout->replay = [m, motion, before = std::vector<mjtNum>(m->nq)](mjData* d,
+                                                                     double time) mutable {
+    const double last = duration(*motion), step = m->opt.timestep;
+    time = std::min(time, last);
+    motionAt(m, *motion, time, d->qpos);
+    motionAt(m, *motion, std::max(time - step, 0.0), before.data());
+    mj_differentiatePos(m, d->qvel, step, before.data(), d->qpos);
+  };
+}
+
 // The same bytes however the runs were spread: without the times they took.
 std::string merged(const Json& settings, Json description) {
   for (const char* time : {"core_s", "wall_s", "real_time_factor"}) description.erase(time);
@@ -137,6 +154,7 @@ void run(Options options) {
   const torsoInfo torso = torsoOf(m.get(), options.model);
   options.rollout.keyframe = keyframeId(m.get(), options.keyframe, options.model);
   checkDrop(m.get(), options.rollout, options.model);
+  if (!options.motion.empty()) replayInstead(m.get(), options.motion, &options.rollout);
   configureModel(m.get(), options.rollout, options.timestep);
   options.picture.visibility();  // refuse a wrong layer before the work, not after it
 
@@ -175,6 +193,7 @@ void run(Options options) {
   Json settings;
   if (!options.results.empty() || processes.size() > 1) {
     settings = runSettings(m.get(), options.rollout);
+    if (!options.motion.empty()) settings["motion"] = options.motion;
     if (!options.results.empty()) folder.emplace(options.results, settings, options.resume);
   }
 
@@ -258,23 +277,35 @@ void addRun(CLI::App& app) {
       "  torso run mjcf/human.xml --drop 2 --control random --seeds 100 --threads 2 --json\n"
       "  mpirun -n 4 torso run mjcf/human.xml --control random --seeds 1000 --results r --resume\n"
       "  torso run mjcf/human.xml --drop 0.5 --csv drop.csv --render frames\n"
-      "  torso run mjcf/torso_held.xml --seconds 1 --vtu discs --vtu-at 0,1");
+      "  torso run mjcf/torso_held.xml --seconds 1 --vtu discs --vtu-at 0,1\n"
+      "  torso run out/walk.xml --motion out/walk.bin --csv walk.csv --vtu discs");
   command->add_option("MODEL", options->model, "MJCF, URDF or MJB file")->required();
-  command->add_option("--seconds", rollout.seconds, "Simulated time of each run [s]")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--seeds", rollout.seeds, "Number of runs; only random controls differ")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  auto* seconds =
+      command->add_option("--seconds", rollout.seconds, "Simulated time of each run [s]")
+          ->check(CLI::PositiveNumber)
+          ->capture_default_str();
+  auto* seeds =
+      command->add_option("--seeds", rollout.seeds, "Number of runs; only random controls differ")
+          ->check(CLI::PositiveNumber)
+          ->capture_default_str();
   command->add_option("--seed0", rollout.seed0, "The first seed")->capture_default_str();
   command->add_option("--threads", rollout.threads, "Number of threads")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   addControlOptions(*command, rollout);
-  command->add_option("--keyframe", options->keyframe, "Start there: name or number");
+  auto* keyframe =
+      command->add_option("--keyframe", options->keyframe, "Start there: name or number");
   command->add_option("--timestep", options->timestep, "Instead of the model's [s]")
       ->check(CLI::PositiveNumber);
   command->add_flag("--json", options->json, "Print JSON");
+  auto* motion = command->add_option(
+      "--motion", options->motion,
+      "Instead of simulating play this motion (CSV or binary, as torso retrofit writes them): "
+      "bones move as in it, and discs, ligaments and facets are measured");
+  for (CLI::Option* other : {seconds, seeds, keyframe, command->get_option("--control"),
+                             command->get_option("--drop")}) {
+    motion->excludes(other);
+  }
   auto* results = command->add_option(
       "--results", options->results,
       "Write the result of each seed into this folder as it is done, and at last result.json");

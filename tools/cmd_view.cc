@@ -72,7 +72,7 @@ void addView(CLI::App& app) {
       "loaded into it with LD_PRELOAD. In the viewer, press F1 for help.\n\n"
       "Examples:\n"
       "  torso view mjcf/human.xml\n"
-      "  torso view mjcf/human.xml --motion out/walk.motion");
+      "  torso view out/walk.xml --motion out/walk.bin");
   command->add_option("MODEL", *model, "MJCF, URDF or MJB file")->required();
   command->add_option("--motion", *motion,
                       "Play this motion (CSV or binary, as torso retrofit writes them) over and "

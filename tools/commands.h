@@ -24,6 +24,7 @@ void addRetrofit(CLI::App& app);
 void addRom(CLI::App& app);
 void addRun(CLI::App& app);
 void addShoulder(CLI::App& app);
+void addStats(CLI::App& app);
 void addTimestep(CLI::App& app);
 void addTruth(CLI::App& app);
 void addValidate(CLI::App& app);

@@ -105,7 +105,7 @@ mjvOption PictureOptions::visibility() const {
 }
 
 mjvCamera PictureOptions::view(const mjModel* m, const std::vector<const mjData*>& states,
-                               const std::string& path) const {
+                               const std::string& path, const std::vector<Stick>& sticks) const {
   mjvCamera result;
   if (!camera.empty()) {
     mjv_defaultCamera(&result);
@@ -118,7 +118,8 @@ mjvCamera PictureOptions::view(const mjModel* m, const std::vector<const mjData*
                             names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
   }
   result = frameBodies(m, states, visibility(), azimuth.value_or(kDefaultAzimuth),
-                       elevation.value_or(kDefaultElevation), static_cast<double>(width) / height);
+                       elevation.value_or(kDefaultElevation), static_cast<double>(width) / height,
+                       sticks);
   if (distance) result.distance = *distance;
   if (!lookat.empty()) std::copy(lookat.begin(), lookat.end(), result.lookat);
   return result;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tools/disc_skin.h"
+#include "tools/stick.h"
 
 namespace torso::tools {
 
@@ -29,10 +30,11 @@ struct PictureOptions {
 
   // What is drawn. Throws Error for an unknown layer.
   mjvOption visibility() const;
-  // The camera; by default it frames the bodies as they are in all the states (at least one).
+  // The camera; by default it frames the bodies as they are in all the states (at least one), and
+  // all sticks.
   // Throws Error "<path>: ..." that lists the model's cameras if the named one does not exist.
   mjvCamera view(const mjModel* m, const std::vector<const mjData*>& states,
-                 const std::string& path) const;
+                 const std::string& path, const std::vector<Stick>& sticks = {}) const;
   // How the discs are coloured, if they are; by default with a range from what they show in all the
   // states. Throws Error "<path>: ..." if the model has none.
   std::optional<DiscColours> discColours(const mjModel* m, const std::vector<const mjData*>& states,

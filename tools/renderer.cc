@@ -65,6 +65,25 @@ struct Renderer::Context {
   EGLContext context = nullptr;
 };
 
+namespace {
+
+constexpr int kMostSticks = 2000;  // drawn in a picture
+
+void addSticks(const std::vector<Stick>& sticks, mjvScene* scene) {
+  constexpr double kRadius = 0.014;  // [m]
+  constexpr float kColour[4] = {0.85f, 0.33f, 0.16f, 1};
+  const auto count = std::min<std::size_t>(sticks.size(), kMostSticks);
+  for (std::size_t i = 0; i < count && scene->ngeom < scene->maxgeom; i++) {
+    const Eigen::Vector3d &a = sticks[i].from, &b = sticks[i].to;
+    mjvGeom* geom = scene->geoms + scene->ngeom++;
+    mjv_initGeom(geom, mjGEOM_CAPSULE, nullptr, nullptr, nullptr, kColour);
+    mjv_makeConnector(geom, mjGEOM_CAPSULE, kRadius, a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
+    geom->category = mjCAT_DECOR;
+  }
+}
+
+}  // namespace
+
 // What MuJoCo's visualiser and renderer make of one model.
 struct Renderer::Stage {
   Stage(const mjModel* m, int width, int height) {
@@ -81,7 +100,8 @@ struct Renderer::Stage {
       }
       // Each geom, site, contact and so on may need a few visual geoms, each tendon one per
       // segment.
-      mjv_makeScene(m, &scene, 2000 + 4 * (m->ngeom + m->nsite + m->nbody + 4 * m->nwrap));
+      mjv_makeScene(m, &scene,
+                    kMostSticks + 2000 + 4 * (m->ngeom + m->nsite + m->nbody + 4 * m->nwrap));
     } catch (...) {
       mjr_freeContext(&gl);
       throw;
@@ -108,7 +128,8 @@ Renderer::Renderer(mjModel* m, int width, int height, std::optional<DiscColours>
 
 Renderer::~Renderer() = default;
 
-std::vector<unsigned char> Renderer::pixels(mjData* d, const mjvOption& option, mjvCamera camera) {
+std::vector<unsigned char> Renderer::pixels(mjData* d, const mjvOption& option, mjvCamera camera,
+                                            const std::vector<Stick>& sticks) {
   const mjModel* m = m_;
   std::optional<DiscSkin> discs;
   if (discs_) {
@@ -121,6 +142,7 @@ std::vector<unsigned char> Renderer::pixels(mjData* d, const mjvOption& option, 
   mjvScene& scene = stage_->scene;
   mjv_updateScene(m, d, &option, nullptr, &camera, mjCAT_ALL, &scene);
   if (discs) discs->place(option, &scene);
+  addSticks(sticks, &scene);
   const mjrRect viewport = {0, 0, width_, height_};
   mjr_render(viewport, &scene, &stage_->gl);
   if (discs_) drawLegend(*discs_, viewport, stage_->gl);
@@ -133,8 +155,9 @@ std::string Renderer::driver() const {
   return reinterpret_cast<const char*>(glGetString(GL_RENDERER));
 }
 
-std::string Renderer::png(mjData* d, const mjvOption& option, mjvCamera camera) {
-  return encodePng(pixels(d, option, camera), width_, height_);
+std::string Renderer::png(mjData* d, const mjvOption& option, mjvCamera camera,
+                          const std::vector<Stick>& sticks) {
+  return encodePng(pixels(d, option, camera, sticks), width_, height_);
 }
 
 std::string encodePng(const std::vector<unsigned char>& rgb, int width, int height) {
@@ -240,7 +263,8 @@ double visibleReach(const mjModel* m, const mjData* d, const mjvOption& option,
 }  // namespace
 
 mjvCamera frameBodies(const mjModel* m, const std::vector<const mjData*>& states,
-                      const mjvOption& option, double azimuth, double elevation, double aspect) {
+                      const mjvOption& option, double azimuth, double elevation, double aspect,
+                      const std::vector<Stick>& sticks) {
   mjvCamera camera;
   mjv_defaultFreeCamera(m, &camera);
   camera.azimuth = azimuth;
@@ -257,6 +281,11 @@ mjvCamera frameBodies(const mjModel* m, const std::vector<const mjData*>& states
     double furthest = -mjMAXVAL;
     for (const mjData* d : states) {
       furthest = std::max(furthest, visibleReach(m, d, option, direction));
+    }
+    for (const Stick& stick : sticks) {
+      for (const Eigen::Vector3d& end : {stick.from, stick.to}) {
+        furthest = std::max(furthest, mju_dot3(direction, end.data()));
+      }
     }
     return furthest;
   };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tools/disc_skin.h"
+#include "tools/stick.h"
 
 namespace torso::tools {
 
@@ -23,10 +24,13 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  // The state in d, for which mj_forward was called: rows from below, 3 bytes (RGB) a pixel.
-  std::vector<unsigned char> pixels(mjData* d, const mjvOption& option, mjvCamera camera);
+  // The state in d, for which mj_forward was called, and sticks in its world: rows from below, 3
+  // bytes (RGB) a pixel.
+  std::vector<unsigned char> pixels(mjData* d, const mjvOption& option, mjvCamera camera,
+                                    const std::vector<Stick>& sticks = {});
   // The same as the content of a PNG file.
-  std::string png(mjData* d, const mjvOption& option, mjvCamera camera);
+  std::string png(mjData* d, const mjvOption& option, mjvCamera camera,
+                  const std::vector<Stick>& sticks = {});
   // What draws, in OpenGL's words: a graphics card, or "llvmpipe (...)" for software.
   std::string driver() const;
 
@@ -53,9 +57,11 @@ const std::vector<std::string>& layerNames();
 void setVisible(mjvOption& option, const std::string& layer_or_group, bool visible);
 
 // A free camera with the given direction [deg] that has all visible body geoms and tendons, in each
-// of the given states, in a picture of the given aspect (width by height). Needs mj_fwdPosition.
+// of the given states, and all sticks in a picture of the given aspect (width by height). Needs
+// mj_fwdPosition.
 mjvCamera frameBodies(const mjModel* m, const std::vector<const mjData*>& states,
-                      const mjvOption& option, double azimuth, double elevation, double aspect);
+                      const mjvOption& option, double azimuth, double elevation, double aspect,
+                      const std::vector<Stick>& sticks = {});
 
 // The direction of the default camera [deg]: onto the front, a little from above and its right.
 constexpr double kDefaultAzimuth = 150, kDefaultElevation = -10;

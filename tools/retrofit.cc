@@ -241,8 +241,8 @@ class Reader {
 
 }  // namespace
 
-RetrofitModels::RetrofitModels(const BodyMjcf& body)
-    : human(body.human()), torso(body.torsoOnHolds()) {}
+RetrofitModels::RetrofitModels(const BodyMjcf& body, const SpineParts& parts)
+    : human(body.human()), torso(body.torsoOnHolds(parts)) {}
 
 RetrofitResult retrofit(const RetrofitModels& models, const HeldMotion& motion,
                         const RetrofitOptions& options,

@@ -32,7 +32,7 @@ struct RetrofitOptions {
 
 // The models that clips of one body are worked on with: made once, read by many threads.
 struct RetrofitModels {
-  explicit RetrofitModels(const BodyMjcf& body);
+  explicit RetrofitModels(const BodyMjcf& body, const SpineParts& parts = {});
   ModelPtr human;  // the whole body: results are in its qpos, as of the MJCF file
   ModelPtr torso;  // BodyMjcf::torsoOnHolds
 };

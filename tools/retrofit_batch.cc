@@ -17,6 +17,7 @@
 #include "tools/clock.h"
 #include "tools/error.h"
 #include "tools/files.h"
+#include "tools/forget_models.h"
 #include "tools/paths.h"
 #include "tools/progress_bar.h"
 #include "tools/retrofit_clip.h"
@@ -86,9 +87,10 @@ std::string summaryCsv(const std::vector<Json>& files) {
 
 class Batch {
  public:
-  Batch(const Anatomy& tables, const RetrofitBatch& batch)
+  Batch(const Anatomy& tables, const RetrofitBatch& batch, const Processes& processes)
       : tables_(tables),
         batch_(batch),
+        processes_(processes),
         settings_({{"rate_hz", batch.rate}, {"map", writePartMap(batch.map, roleMapParts())}}),
         files_(clipFiles(batch.inputs)),
         rows_(files_.size(), Json::array()),
@@ -106,25 +108,31 @@ class Batch {
   Json run() {
     makeFolder(batch_.output);
     writeFile(batch_.output + "/scene.xml", readFile(mjcfFolder() + "/scene.xml"));
-    for (size_t i = 0; i < files_.size(); i++) {
+    for (size_t i = processes_.rank(); i < files_.size(); i += processes_.size()) {
       if (batch_.again || !isDone(i)) todo_.push_back(i);
     }
     int signal = 0;
     {
       const HeldSignals signals;
       const ProgressBar bar;
-      std::vector<std::thread> threads;
-      running_ = std::min<int>(batch_.jobs, static_cast<int>(todo_.size()));
-      for (int k = running_; k > 0; k--) threads.emplace_back([this] { work(); });
-      while (running_ > 0) {
-        if (const int caught = signals.wait()) signal = caught, stop_ = true;
-        bar.show(share());
+      for (size_t begin = 0; begin < todo_.size() && !stop_; begin += round()) {
+        next_ = begin;
+        end_ = std::min(begin + round(), todo_.size());
+        std::vector<std::thread> threads;
+        running_ = std::min<int>(batch_.jobs, static_cast<int>(end_ - begin));
+        for (int k = running_; k > 0; k--) threads.emplace_back([this] { work(); });
+        while (running_ > 0) {
+          if (const int caught = signals.wait()) signal = caught, stop_ = true;
+          bar.show(share());
+        }
+        for (std::thread& thread : threads) thread.join();
+        forgetModels();
       }
-      for (std::thread& thread : threads) thread.join();
       if (signal) std::raise(signal);  // as soon as it is let through
     }
-    writeSummary();
     if (!failure_.empty()) throw Error(failure_);
+    gather();
+    writeSummary();
     Json all = Json::array();
     for (const Json& rows : rows_) {
       for (const Json& row : rows) all.push_back(row);
@@ -159,8 +167,11 @@ class Batch {
     return true;
   }
 
+  // So many files, then what the plugin keeps of their bodies is freed.
+  size_t round() const { return 16 * static_cast<size_t>(batch_.jobs); }
+
   void work() {
-    for (size_t k; !stop_ && (k = next_++) < todo_.size();) {
+    for (size_t k; !stop_ && (k = next_++) < end_;) {
       try {
         workOn(todo_[k]);
       } catch (const Stopped&) {
@@ -238,15 +249,28 @@ class Batch {
     return sum / static_cast<double>(std::max<size_t>(1, todo_.size()));
   }
 
-  void writeSummary() const { writeFile(batch_.output + "/summary.csv", summaryCsv(rows_)); }
+  // The rows of the other processes.
+  void gather() {
+    const std::vector<std::string> texts = processes_.gather(Json(rows_).dump());
+    for (size_t rank = 0; rank < texts.size(); rank++) {
+      const Json rows = Json::parse(texts[rank]);
+      for (size_t i = rank; i < files_.size(); i += texts.size()) rows_[i] = rows[i];
+    }
+  }
+
+  void writeSummary() const {
+    if (processes_.rank() == 0) writeFile(batch_.output + "/summary.csv", summaryCsv(rows_));
+  }
 
   const Anatomy& tables_;
   const RetrofitBatch& batch_;
+  const Processes& processes_;
   const Json settings_;
   const std::vector<std::string> files_;
   std::set<std::string> stems_;
   std::vector<std::string> stem_of_;  // by files_
   std::vector<size_t> todo_;          // of files_
+  size_t end_ = 0;                    // of the round at hand
   std::atomic<size_t> next_{0};
   std::atomic<int> running_{0};
   std::atomic<bool> stop_{false};
@@ -281,8 +305,8 @@ std::vector<std::string> clipFiles(const std::vector<std::string>& inputs) {
   return files;
 }
 
-Json retrofitBatch(const Anatomy& tables, const RetrofitBatch& batch) {
-  return Batch(tables, batch).run();
+Json retrofitBatch(const Anatomy& tables, const RetrofitBatch& batch, const Processes& processes) {
+  return Batch(tables, batch, processes).run();
 }
 
 }  // namespace torso::tools

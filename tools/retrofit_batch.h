@@ -7,6 +7,7 @@
 
 #include "model/anatomy.h"
 #include "tools/part_map.h"
+#include "tools/processes.h"
 
 namespace torso::tools {
 
@@ -27,7 +28,10 @@ std::vector<std::string> clipFiles(const std::vector<std::string>& inputs);
 // A file is skipped if its mark and what it speaks of are newer and were made with the same
 // settings. Returns the rows of all files in their order, also of those skipped; of what fails:
 // {"file", "error"}. Ctrl-C stops it between two frames, with whole files, as the signal would.
+// Several processes share the files among them, each n-th one; the first writes summary.csv and
+// returns the rows of all, the others their own.
 // Throws Error if the folder cannot be written.
-nlohmann::ordered_json retrofitBatch(const Anatomy& tables, const RetrofitBatch& batch);
+nlohmann::ordered_json retrofitBatch(const Anatomy& tables, const RetrofitBatch& batch,
+                                     const Processes& processes);
 
 }  // namespace torso::tools

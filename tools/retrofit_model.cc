@@ -25,6 +25,8 @@ constexpr double kMassShare = 0.01;
 
 constexpr double kStep = 0.005;  // [s]
 
+constexpr double kLeftOut = 1e-3;  // of the stiffness of a disc that is left out
+
 // All elements below e; the visitor returns false to have the element deleted.
 void sweep(XMLElement* e, const std::function<bool(XMLElement*)>& keep) {
   for (XMLElement *child = e->FirstChildElement(), *next; child; child = next) {
@@ -110,8 +112,8 @@ const double* rhythmStiffness(const std::string& joint) {
   return nullptr;
 }
 
-void makeLight(XMLElement* root) {
-  sweep(root, [](XMLElement* e) {
+void makeLight(XMLElement* root, const SpineParts& parts) {
+  sweep(root, [&parts](XMLElement* e) {
     const std::string tag = e->Name();
     if (tag == "inertial") {
       for (const char* what : {"mass", "fullinertia", "diaginertia"}) scale(e, what, kMassShare);
@@ -127,10 +129,13 @@ void makeLight(XMLElement* root) {
       e->SetAttribute("damping", "0");
       e->SetAttribute("armature", mjcfNumber(kStep * kStep * stiffness).c_str());
     } else if (tag == "numeric") {
-      // As in plugin/instance.h: the last entry of a disc is its retardation time; a bushing has
-      // stiffness and damping of translation, and of rotation.
+      // As in plugin/instance.h: entries 0, 2, 5 and 6 of a disc are its moduli, the last one is
+      // its retardation time; a bushing has stiffness and damping of translation, and of rotation.
       std::vector<double> data = numbers(e, "data");
-      if (text(e, "name").rfind("disc:", 0) == 0 && !data.empty()) data.back() = 0;
+      if (text(e, "name").rfind("disc:", 0) == 0 && data.size() == 8) {
+        data.back() = 0;
+        for (const int modulus : {0, 2, 5, 6}) data[modulus] *= parts.discs ? 1 : kLeftOut;
+      }
       if (text(e, "name").rfind("bushing:", 0) == 0 && data.size() == 4) data[1] = data[3] = 0;
       e->SetAttribute("data", fmt::format("{}", fmt::join(data, " ")).c_str());
     }
@@ -192,7 +197,7 @@ ModelPtr BodyMjcf::human() const {
   return compile(document, "human");
 }
 
-ModelPtr BodyMjcf::torsoOnHolds() const {
+ModelPtr BodyMjcf::torsoOnHolds(const SpineParts& parts) const {
   tinyxml2::XMLDocument document;
   parse(document, text_, name_);
   XMLElement* root = document.RootElement();
@@ -205,13 +210,14 @@ ModelPtr BodyMjcf::torsoOnHolds() const {
   sweep(root, [](XMLElement* e) {
     return e->Name() != std::string("body") || !kGone.count(splitSide(text(e, "name")).second);
   });
-  makeLight(root);
+  makeLight(root, parts);
   for (std::size_t i = 0; i < held.size(); i++) {
     addHold(root, held[i], poses.data() + 7 * i, kHoldStiffness, kHoldRotationStiffness);
   }
   ModelPtr m = compile(document, "torso_on_holds");
   m->opt.timestep = kStep;
   m->opt.disableflags |= mjDSBL_GRAVITY | mjDSBL_ACTUATION | mjDSBL_SENSOR;
+  for (int i = 0; i < m->ntendon && !parts.ligaments; i++) m->tendon_limited[i] = 0;
   torsoOf(m.get(), name_);
   return m;
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tools/mujoco_support.h"
+#include "tools/whole_spine.h"
 
 namespace torso::tools {
 
@@ -46,8 +47,8 @@ class BodyMjcf {
   // lower arms are gone, head and upper arms hang on springs to the mocap bodies "hold:<bone>". The
   // springs of the joints that Rhythm leads are left to it.
   // Mass, inertia, damping and viscosity only slow a search for equilibrium down, so there is next
-  // to none.
-  ModelPtr torsoOnHolds() const;
+  // to none. parts: ligaments and discs may be left out.
+  ModelPtr torsoOnHolds(const SpineParts& parts = {}) const;
 
   // The whole body with its servos, the pelvis led by the mocap body "hold:pelvis". There is no
   // floor.

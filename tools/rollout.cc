@@ -252,6 +252,7 @@ struct Worker {
     const mjModel* m = setting.m;
     const std::int64_t steps = stepsOf(m, setting.options.seconds);
     startRun(m, d.get(), setting.options);
+    if (setting.options.replay) setting.options.replay(d.get(), 0);
     ControlSignal controls(m, d.get(), setting.options, result.seed);
     ObserverClock clock(m, observers);
     run_violations = {};
@@ -264,7 +265,13 @@ struct Worker {
         clock.tick(d.get(), time);
         controls.apply(m, d.get(), result.steps);
         const double start = threadSeconds();
-        mj_step(m, d.get());
+        if (setting.options.replay) {
+          d->time += m->opt.timestep;
+          setting.options.replay(d.get(), d->time);
+          mj_forward(m, d.get());
+        } else {
+          mj_step(m, d.get());
+        }
         result.core_seconds += threadSeconds() - start;
         result.steps++;
         steps_done++;

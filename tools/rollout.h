@@ -35,6 +35,8 @@ struct RolloutOptions {
   double lift = 0;                    // every free body starts that much higher [m]
   int keyframe = -1;                  // start state, -1: qpos0 at rest
   std::set<std::uint64_t> skip = {};  // seeds that are not run
+  // Instead of stepping: sets qpos and qvel for a time [s]. Forces are those of mj_forward.
+  std::function<void(mjData*, double time)> replay = {};
 };
 
 // Set in the model what a rollout needs there: the time step [s], if positive, and actuation.

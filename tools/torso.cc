@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   addBench(app);
   addFall(app);
   addBones(app);
+  addStats(app);
   addTimestep(app);
   addTruth(app);
   addValidate(app);

@@ -27,7 +27,7 @@ TurnAngles pureMotions(WholeSpine& spine, const std::function<SpineLoad(Turn)>& 
   return angles;
 }
 
-double spread(std::vector<double> angles) {
+double centralRange(std::vector<double> angles) {
   std::sort(angles.begin(), angles.end());
   const auto at = [&](double share) {
     return angles[static_cast<std::size_t>(std::lround(share * (angles.size() - 1.0)))];
@@ -36,6 +36,10 @@ double spread(std::vector<double> angles) {
 }
 
 }  // namespace
+
+LevelSpread levelSpread(const std::array<std::vector<double>, 3>& angles) {
+  return {centralRange(angles[1]), centralRange(angles[0]) / 2, centralRange(angles[2]) / 2};
+}
 
 const std::vector<SpineRegion>& spineRegions() {
   static const std::vector<SpineRegion> regions = {
@@ -110,7 +114,7 @@ WholeSpineReport measureWholeSpine(const Anatomy& anatomy, const Skeleton& skele
     angles[1].insert(angles[1].end(), {of(Turn::kFlexion), -of(Turn::kExtension)});
     angles[0].insert(angles[0].end(), {of(Turn::kLeftBending), -of(Turn::kLeftBending)});
     angles[2].insert(angles[2].end(), {of(Turn::kLeftRotation), -of(Turn::kLeftRotation)});
-    report.spread.push_back({spread(angles[1]), spread(angles[0]) / 2, spread(angles[2]) / 2});
+    report.spread.push_back(levelSpread(angles));
   }
   return report;
 }

@@ -38,6 +38,8 @@ std::vector<PublishedMotion> readRegionMotion(const std::string& path);
 struct LevelSpread {
   double flexion_extension, lateral_bending, axial_rotation;  // [rad], the last two halved
 };
+// angles: by pose, turns about the axes of SpinePose::levels [rad].
+LevelSpread levelSpread(const std::array<std::vector<double>, 3>& angles);
 
 struct WholeSpineReport {
   TurnAngles voluntary, laboratory, laboratory_without_ribcage;

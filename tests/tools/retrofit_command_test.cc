@@ -5,7 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/tools/clip_texts.h"
+#include <array>
+#include <map>
+#include <sstream>
+
+#include "tests/tools/bow_clip.h"
 #include "tests/tools/command_fixture.h"
 #include "tools/motion_file.h"
 #include "tools/mujoco_support.h"
@@ -17,23 +21,6 @@ using testing::HasSubstr;
 
 class Retrofit : public Command {
  protected:
-  // A bow of our own body, 25 degrees at each of the trunk's two joints.
-  static std::string bow(size_t frames) {
-    const Anatomy tables = Anatomy::load(TORSO_ANATOMY_DIR);
-    const std::vector<TestJoint> joints = testPerson(tables);
-    BvhStyle style;
-    style.rate = 20;
-    return bvhText(
-        joints, frames,
-        [&](size_t joint, size_t frame) -> Eigen::Matrix3d {
-          const bool trunk = joints[joint].name == "spine" || joints[joint].name == "chest";
-          const double share = 0.5 - 0.5 * std::cos(M_PI * static_cast<double>(frame) /
-                                                    static_cast<double>(frames - 1));
-          const double angle = trunk ? 25 * M_PI / 180 * share : 0;
-          return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()).toRotationMatrix();
-        },
-        [](size_t) { return Eigen::Vector3d(0, 0, 1); }, style);
-  }
   std::filesystem::file_time_type timeOf(const std::string& name) {
     return std::filesystem::last_write_time(folder_ / name);
   }
@@ -41,7 +28,7 @@ class Retrofit : public Command {
 
 TEST_F(Retrofit, WritesMotionsThatReloadAndResumes) {
   constexpr size_t kFrames = 10;
-  const std::string good = bow(kFrames);
+  const std::string good = bowClip(kFrames);
   std::filesystem::create_directory(folder_ / "clips");
   write("clips/bow.bvh", good);
   write("clips/cut.bvh", good.substr(0, good.size() * 9 / 10));
@@ -94,7 +81,7 @@ TEST_F(Retrofit, WritesMotionsThatReloadAndResumes) {
 }
 
 TEST_F(Retrofit, InterruptedLeavesNothingHalfWritten) {
-  write("long.bvh", bow(1500));
+  write("long.bvh", bowClip(1500));
   const Result result = run("retrofit long.bvh -o out", "timeout --signal=INT 3");
   EXPECT_NE(result.status, 0);
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "out")) {
@@ -103,8 +90,95 @@ TEST_F(Retrofit, InterruptedLeavesNothingHalfWritten) {
   }
 }
 
+// Clips that a user may have lying about, in one batch: each is told by its name and what to do,
+// and the good one goes through.
+TEST_F(Retrofit, BadClipsAreToldAndStopNothing) {
+  std::filesystem::create_directory(folder_ / "bad");
+  const std::string good = bowClip(2);
+  const auto replaced = [&good](const std::string& from, const std::string& to) {
+    std::string text = good;
+    return text.replace(text.find(from), from.size(), to);
+  };
+  const std::size_t motion = good.find("Frame Time");
+  const std::size_t first = good.find('\n', motion) + 1;
+  std::string thin = good;  // all bones without length
+  for (std::size_t at = 0; (at = thin.find("OFFSET", at)) != std::string::npos; at++) {
+    thin.replace(at, thin.find('\n', at) - at, "OFFSET 0 0 0");
+  }
+  const std::string rows = good.substr(first);
+  const std::vector<std::array<std::string, 3>> clips = {
+      {"nothing.bvh", "", "empty"},
+      {"no_frames.bvh", replaced("Frames: 2", "Frames: 0"), "empty"},
+      {"cut.bvh", good.substr(0, good.size() * 9 / 10), "cut short"},
+      {"nan.bvh", good.substr(0, first) + "nan" + rows.substr(rows.find(' ')), "frame 1"},
+      {"thin.bvh", thin, "length"},
+      {"no_skeleton.bvh", "HIERARCHY\nMOTION\nFrames: 1\nFrame Time: 0.1\n", "no skeleton"},
+      {"tail.bvh",
+       "HIERARCHY\nROOT tail\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd "
+       "Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 1\nFrame Time: 0.1\n0 0 0\n",
+       "no arms and no legs"},
+      {"picture.glb", "\x89PNG and so on", "picture.glb"}};
+  for (const auto& [name, text, message] : clips) write("bad/" + name, text);
+  write("bad/one_frame.bvh",
+        replaced("Frames: 2", "Frames: 1").substr(0, first + rows.find('\n') + 1));
+  const Result result = run("retrofit bad -o out --json");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.err, HasSubstr(std::to_string(clips.size()) + " failed, 1 went through"));
+  std::istringstream lines(result.err);
+  std::map<std::string, std::string> told;
+  for (std::string line; std::getline(lines, line);) {
+    for (const auto& clip : clips) {
+      if (line.find("bad/" + clip[0] + ": ") != std::string::npos) told[clip[0]] = line;
+    }
+  }
+  for (const auto& [name, text, message] : clips) EXPECT_THAT(told[name], HasSubstr(message));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/one_frame.glb"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out/thin.glb"));
+}
+
+// As a power cut would: what is done stays, the rest is done by the same command.
+TEST_F(Retrofit, AKilledBatchGoesOn) {
+  std::filesystem::create_directory(folder_ / "clips");
+  write("clips/a.bvh", bowClip(2));
+  write("clips/b.bvh", bowClip(3000));
+  const std::string line = "cd " + folder_.string() +
+                           " && " TORSO_COMMAND
+                           " retrofit clips -o out >/dev/null 2>&1 & pid=$!; for i in $(seq 600); "
+                           "do [ -e " +
+                           (folder_ / "out/a.json").string() +
+                           " ] && break; sleep 0.1; done; kill -KILL $pid; wait $pid";
+  EXPECT_NE(std::system(("sh -c '" + line + "' >/dev/null 2>&1").c_str()), 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out/b.json"));
+  const auto before = timeOf("out/a.csv");
+  write("clips/b.bvh", bowClip(3));  // for the test's time
+  const Result result = run("retrofit clips -o out");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(timeOf("out/a.csv"), before);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/b.json"));
+}
+
+TEST_F(Retrofit, ProcessesShareTheClips) {
+  if (!*MPIRUN) GTEST_SKIP() << "mpirun or MPI's headers are not installed (libopenmpi-dev)";
+  std::filesystem::create_directory(folder_ / "clips");
+  for (const char* name : {"a", "b", "c"}) write(std::string("clips/") + name + ".bvh", bowClip(2));
+  write("clips/d.bvh", "");
+  const std::string line = "cd " + folder_.string() +
+                           " && " MPIRUN " --oversubscribe --allow-run-as-root -n 2 " TORSO_COMMAND
+                           " retrofit clips -o out --json > out.txt 2> err.txt < /dev/null";
+  EXPECT_NE(std::system(line.c_str()), 0);  // for clip d
+  EXPECT_THAT(readFile(folder_ / "err.txt"), HasSubstr("1 failed, 3 went through"));
+  const auto rows = nlohmann::json::parse(readFile(folder_ / "out.txt"), nullptr, false);
+  ASSERT_EQ(rows.size(), 4u);
+  for (int i = 0; i < 3; i++)
+    EXPECT_EQ(rows[i]["clip"], std::string(1, static_cast<char>('a' + i)));
+  const std::string summary = readFile(folder_ / "out/summary.csv");
+  for (const char* name : {"\na,", "\nb,", "\nc,", "clips/d.bvh: "}) {
+    EXPECT_THAT(summary, HasSubstr(name));
+  }
+}
+
 TEST_F(Retrofit, SaysWhatIsMissing) {
-  write("bow.bvh", bow(2));
+  write("bow.bvh", bowClip(2));
   EXPECT_THAT(run("retrofit bow.bvh").err, HasSubstr("-o DIR"));
   const Result explained = run("retrofit bow.bvh --explain --write-map map.json");
   EXPECT_EQ(explained.status, 0) << explained.err;
