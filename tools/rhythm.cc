@@ -117,8 +117,12 @@ Rhythm::Rhythm(const mjModel* torso, const mjModel* human) {
 void Rhythm::apply(const mjModel* m, mjData* d) const {
   const Quaterniond head = rotation(d, head_) * head_rest_, t1 = rotation(d, t1_) * t1_rest_;
   const Vector3d neck = rotationVector(t1.conjugate() * head);
-  // The head's frame has the standing axes at rest.
-  spring(m, d, head_joint_, kRhythmStiffness.head, turnBy(head_share_ * neck.array()));
+  // The head's frame has the standing axes at rest. Its share levels off towards the end of its
+  // range, so that it does not run into the stop at speed: the others' shares rise smoothly.
+  const Vector3d share = head_share_ * neck.array();
+  const double most = m->jnt_range[2 * head_joint_ + 1];
+  const double beyond = most > 0 ? std::pow(share.norm() / most, 4) : 0;
+  spring(m, d, head_joint_, kRhythmStiffness.head, turnBy(share / std::pow(1 + beyond, 0.25)));
 
   for (const Shoulder& shoulder : shoulders_) {
     const Quaterniond ribcage = rotation(d, ribcage_);
