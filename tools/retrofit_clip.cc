@@ -22,6 +22,7 @@
 #include "tools/retarget.h"
 #include "tools/retrofit.h"
 #include "tools/retrofit_readouts.h"
+#include "tools/smoothness.h"
 #include "tools/temporary_skeleton.h"
 
 namespace torso::tools {
@@ -171,6 +172,17 @@ void addErrors(Json* row, const HeldMotion& motion, const RetrofitResult& result
   (*row)["flags"] = flags.text();
 }
 
+// Of the turns of levels and scapulae, against those of the held bones.
+void addSmoothness(Json* row, const HeldMotion& motion, const RetrofitResult& result) {
+  if (result.frames.size() < 4) return;
+  std::vector<std::vector<Eigen::Vector3d>> turns;
+  for (const RetrofitFrame& frame : result.frames) turns.push_back(frame.turns);
+  const Smoothness s = smoothness(heldTurns(motion), turns, result.rate);
+  (*row)["band_hz"] = rounded(s.band);
+  (*row)["power_above_band_over_input"] = rounded(s.gain);
+  (*row)["largest_jump_deg"] = rounded(s.largest_jump * 180 / M_PI);
+}
+
 // The body's file: in the scene that lies beside it.
 std::string inScene(const std::string& mjcf) {
   const std::size_t root = mjcf.find('>', mjcf.find("<mujoco"));
@@ -258,6 +270,7 @@ Json retrofitPerson(const Anatomy& tables, const Person& person, const std::stri
   writeFiles(files);
 
   addErrors(&row, posed.motion, result);
+  addSmoothness(&row, posed.motion, result);
   const std::vector<double> directions = directionErrors(world, person.roles, posed.motion);
   if (!directions.empty()) row["limb_direction_error_deg"] = spread(directions, 180 / M_PI);
   const double core_seconds = threadSeconds() - start;
