@@ -9,11 +9,11 @@
 namespace torso::tools {
 
 // Muscles that span a region of the spine turn its levels together, each in proportion to its range
-// of motion: that living levels share a bend so is measured in the lumbar (Aiyangar et al. 2015, J
-// Biomech 48:2015), thoracic and cervical spine (Anderst et al. 2015, J Biomech 48:1286-1293), and
-// models of whole spines are posed so (Alemi et al. 2021, Front Bioeng Biotechnol 9:661882). A
-// passive column bends where it is softest instead. Servos of the levels towards their shares of
-// what the region as a whole is turned by at present, which leave that whole alone.
+// of motion: living lumbar (Aiyangar et al. 2015, J Biomech 48:3709-3715) and cervical levels
+// (Anderst et al. 2015, Spine J 15:2538-2546) have steady shares of a bend, and models of whole
+// spines are posed so (Alemi et al. 2021, Front Bioeng Biotechnol 9:688041). For the thorax it is
+// assumed. A passive column bends where it is softest instead. Servos of the levels towards their
+// shares of what the region as a whole is turned by at present, which leave that whole alone.
 class SpineRhythm {
  public:
   // torso: of BodyMjcf::torsoOnHolds, whose servos are those of the levels. Shares are those of the
