@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "tools/commands.h"
+#include "tools/error.h"
 #include "tools/posture.h"
 #include "tools/progress_bar.h"
 #include "tools/retrofit.h"
 #include "tools/retrofit_truth.h"
+#include "tools/truth_motions.h"
 
 namespace torso::tools {
 namespace {
@@ -109,11 +111,19 @@ void addTruth(CLI::App& app) {
       "core                    core-seconds per second of motion\n\n"
       "Examples:\n"
       "  torso truth mjcf/human.xml\n"
-      "  torso truth mjcf/human.xml --motion wave --json");
+      "  torso truth mjcf/human.xml --motion wave --json\n"
+      "  torso truth mjcf/human.xml --motion 'random 101,random 102'");
   command->add_option("MODEL", options->model, "MJCF file of a whole body")->required();
-  command->add_option("--motion", options->motions, "Only these")
+  command->add_option("--motion", options->motions, "Only these, or \"random N\"")
       ->delimiter(',')
-      ->check(CLI::IsMember(truthMotions()));
+      ->check([](const std::string& name) {
+        try {
+          truthMotion(name);
+          return std::string();
+        } catch (const Error& e) {
+          return std::string(e.what());
+        }
+      });
   command->add_option("--rate", options->rate, "Frames per second [Hz]")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

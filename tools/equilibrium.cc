@@ -26,6 +26,7 @@ Equilibrium::Equilibrium(const mjModel* m, const mjModel* human, double momentum
     : m_(m),
       d_(makeData(m)),
       rhythm_(m, human),
+      spine_(m),
       load_(m, human),
       momentum_(momentum),
       change_(m->nv),
@@ -76,6 +77,7 @@ double Equilibrium::step() {
   mju_zero(d->qvel, m_->nv);
   mju_copy(start_.data(), d->qpos, m_->nq);
   rhythm_.apply(m_, d);
+  spine_.apply(d);
   load_.apply(m_, d, up_);
   mj_step(m_, d);
 

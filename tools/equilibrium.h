@@ -10,6 +10,7 @@
 #include "tools/mujoco_support.h"
 #include "tools/retrofit_model.h"
 #include "tools/rhythm.h"
+#include "tools/spine_rhythm.h"
 
 namespace torso::tools {
 
@@ -52,6 +53,7 @@ class Equilibrium {
   const mjModel* m_;
   DataPtr d_;
   Rhythm rhythm_;
+  SpineRhythm spine_;
   FollowerLoad load_;
   Eigen::Vector3d up_ = Eigen::Vector3d::Zero();  // in the world
   double momentum_;

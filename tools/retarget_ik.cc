@@ -10,6 +10,7 @@
 #include "tools/error.h"
 #include "tools/mujoco_support.h"
 #include "tools/retarget.h"
+#include "tools/rhythm.h"
 #include "tools/temporary_skeleton.h"
 
 namespace torso::tools {
@@ -30,10 +31,13 @@ constexpr double kContactSigma = 0.001;         // of a foot that stands [m]
 constexpr double kRotationSigma = 1 * kDegree;  // held bones
 constexpr double kChestSigma = 30 * kDegree;    // rib cage to the clip's
 constexpr double kTrunkSigma = 60 * kDegree;    // each ball joint of the trunk from rest
-constexpr double kGirdleSigma = 40 * kDegree;   // clavicle and scapula from rest
+constexpr double kGirdleSigma = 15 * kDegree;   // clavicle from its rhythm, scapula from rest
 constexpr double kLimitSigma = 2 * kDegree;     // beyond the limits below
 // Wide limits: twice and more what a spine's region can do (range_of_motion.csv).
-constexpr double kTrunkLimit = 80 * kDegree, kGirdleLimit = 50 * kDegree;
+constexpr double kTrunkLimit = 80 * kDegree;
+// Of the clavicle about its rhythm, half of what its servos can do (servos.csv), and of the scapula
+// on the clavicle: gliding on the ribs lets the detailed body's turn there by little.
+constexpr double kClavicleLimit = 20 * kDegree, kScapulaLimit = 5 * kDegree;
 
 constexpr int kMaxIterations = 60;
 constexpr double kStep = 1e-5;        // [rad], [m]
@@ -86,9 +90,16 @@ class Solver {
     for (const char* name : {"back_length", "neck_length"}) {
       slides_.push_back(id(mjOBJ_JOINT, name));
     }
-    for (const char* name : {"left_sternoclavicular", "left_acromioclavicular",
-                             "right_sternoclavicular", "right_acromioclavicular"}) {
-      posture_.push_back({id(mjOBJ_JOINT, name), kGirdleSigma, kGirdleLimit});
+    for (const std::string side : {"left_", "right_"}) {
+      shoulders_.push_back(static_cast<int>(posture_.size()));
+      posture_.push_back(
+          {id(mjOBJ_JOINT, side + "sternoclavicular"), kGirdleSigma, kClavicleLimit});
+      posture_.push_back(
+          {id(mjOBJ_JOINT, side + "acromioclavicular"), kGirdleSigma, kScapulaLimit});
+    }
+    for (int side = 0; side < 2; side++) {
+      const int elbow = bodies_[heldBody(side, kLowerArm)];
+      shafts_[side] = Eigen::Map<const Vector3d>(m_->body_pos + 3 * elbow).normalized();
     }
     // Joints of limbs that no target turns stay at rest.
     for (int j = 0; j < m_->njnt; j++) {
@@ -120,6 +131,7 @@ class Solver {
   struct Posture {
     int joint;
     double sigma, limit;
+    Quaterniond rest = Quaterniond::Identity();
   };
 
   int id(mjtObj type, const std::string& name) const { return mj_name2id(m_, type, name.c_str()); }
@@ -238,8 +250,21 @@ class Solver {
     kinematics();
   }
 
+  // Clavicles and scapulae go along with the upper arms that the clip has, on the rib cage as it
+  // is.
+  void leadGirdle(size_t f) {
+    mj_kinematics(m_, d_);
+    for (int side = 0; side < 2; side++) {
+      const int arm = heldBody(side, kUpperArm);
+      const Vector3d shaft = turn(ribcage_).conjugate() * (target(f, arm).linear() * shafts_[side]);
+      const double raised = std::acos(std::clamp(-shaft.z(), -1.0, 1.0));
+      posture_[shoulders_[side]].rest = girdleRhythm(raised, side == 0 ? 1 : -1).sternoclavicular;
+    }
+  }
+
   // Levenberg-Marquardt until steps are small. Returns the cost.
   double solveFrame(size_t f) {
+    leadGirdle(f);
     double damping = 1e-3;
     double cost = evaluate(f, true);
     std::vector<mjtNum> qpos(d_->qpos, d_->qpos + m_->nq);
@@ -284,7 +309,7 @@ class Solver {
 
   void addPosture(const Posture& p) {
     const mjtNum* q = d_->qpos + m_->jnt_qposadr[p.joint];
-    const Vector3d v = rotationVector({q[0], q[1], q[2], q[3]});
+    const Vector3d v = rotationVector(p.rest.conjugate() * Quaterniond(q[0], q[1], q[2], q[3]));
     const Matrix3d J = inverseRightJacobian(v);
     const int dof = m_->jnt_dofadr[p.joint];
     const auto addRows = [&](const Vector3d& residual, const Matrix3d& rows, double sigma) {
@@ -346,6 +371,8 @@ class Solver {
   int ribcage_;
   std::vector<Posture> posture_;
   std::vector<int> slides_;
+  std::vector<int> shoulders_;      // of posture_: left and right sternoclavicular
+  std::array<Vector3d, 2> shafts_;  // of the upper arms, their frames, towards the elbow
   MatrixXd H_;
   VectorXd g_;
   RowJacobian jacp_, jacr_;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
@@ -21,6 +22,7 @@
 #include "tools/retarget.h"
 #include "tools/retrofit.h"
 #include "tools/retrofit_readouts.h"
+#include "tools/smoothness.h"
 #include "tools/temporary_skeleton.h"
 
 namespace torso::tools {
@@ -144,19 +146,41 @@ void addErrors(Json* row, const HeldMotion& motion, const RetrofitResult& result
   std::vector<double> positions, rotations;
   FlagCounts flags;
   size_t flagged = 0;
+  constexpr double kDegrees = 180 / M_PI;
+  // [of all frames, of those that are not flagged]: within 3 mm and 1 degree, 10 mm and 3 degrees.
+  std::array<std::array<size_t, 2>, 2> within{};
   for (const RetrofitFrame& frame : result.frames) {
+    const double mm = 1e3 * frame.position_error, degrees = kDegrees * frame.rotation_error;
+    for (size_t k = 0; k <= (frame.flags.empty() ? 1 : 0); k++) {
+      within[k][0] += mm < 3 && degrees < 1;
+      within[k][1] += mm < 10 && degrees < 3;
+    }
     positions.push_back(frame.position_error);
     rotations.push_back(frame.rotation_error);
     flagged += !frame.flags.empty();
     for (const std::string& flag : frame.flags) flags.add(flag);
   }
-  constexpr double kDegrees = 180 / M_PI;
   (*row)["held_error_mm"] = spread(positions, 1e3);
   (*row)["held_error_deg"] = spread(rotations, kDegrees);
   (*row)["skeleton_error_mm"] = spread(motion.position_errors, 1e3);
   (*row)["skeleton_error_deg"] = spread(motion.rotation_errors, kDegrees);
   (*row)["frames_flagged"] = flagged;
+  (*row)["frames_within_3mm_1deg"] = within[0][0];
+  (*row)["frames_within_10mm_3deg"] = within[0][1];
+  (*row)["reached_within_3mm_1deg"] = within[1][0];
+  (*row)["reached_within_10mm_3deg"] = within[1][1];
   (*row)["flags"] = flags.text();
+}
+
+// Of the turns of levels and scapulae, against those of the held bones.
+void addSmoothness(Json* row, const HeldMotion& motion, const RetrofitResult& result) {
+  if (result.frames.size() < 4) return;
+  std::vector<std::vector<Eigen::Vector3d>> turns;
+  for (const RetrofitFrame& frame : result.frames) turns.push_back(frame.turns);
+  const Smoothness s = smoothness(heldTurns(motion), turns, result.rate);
+  (*row)["band_hz"] = rounded(s.band);
+  (*row)["power_above_band_over_input"] = rounded(s.gain);
+  (*row)["largest_jump_deg"] = rounded(s.largest_jump * 180 / M_PI);
 }
 
 // The body's file: in the scene that lies beside it.
@@ -246,6 +270,7 @@ Json retrofitPerson(const Anatomy& tables, const Person& person, const std::stri
   writeFiles(files);
 
   addErrors(&row, posed.motion, result);
+  addSmoothness(&row, posed.motion, result);
   const std::vector<double> directions = directionErrors(world, person.roles, posed.motion);
   if (!directions.empty()) row["limb_direction_error_deg"] = spread(directions, 180 / M_PI);
   const double core_seconds = threadSeconds() - start;

@@ -143,6 +143,19 @@ void makeLight(XMLElement* root, const SpineParts& parts) {
   });
 }
 
+// Of the servos only those of the levels, for SpineRhythm.
+void keepLevelServos(XMLElement* root) {
+  sweep(section(root, "actuator"), [](XMLElement* e) {
+    if (text(e, "refsite").empty()) return false;
+    const double kp = kLevelServoShare * numbers(e, "gainprm").at(0);
+    e->SetAttribute("gainprm", mjcfNumber(kp).c_str());
+    e->SetAttribute("biasprm", fmt::format("0 {} 0 0", mjcfNumber(-kp)).c_str());
+    e->DeleteAttribute("forcerange");
+    e->SetAttribute("ctrllimited", "false");
+    return true;
+  });
+}
+
 void parse(tinyxml2::XMLDocument& document, const std::string& text, const std::string& path) {
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS ||
       !document.RootElement()) {
@@ -201,7 +214,8 @@ ModelPtr BodyMjcf::torsoOnHolds(const SpineParts& parts) const {
   tinyxml2::XMLDocument document;
   parse(document, text_, name_);
   XMLElement* root = document.RootElement();
-  strip(root, false);
+  strip(root, true);
+  keepLevelServos(root);
   const std::vector<std::string> held(kHeldBones.begin(), kHeldBones.end());
   const std::vector<double> poses = restPoses(compile(document, "body").get(), held);
   XMLElement* pelvis = findBody(root, "pelvis");
@@ -216,7 +230,7 @@ ModelPtr BodyMjcf::torsoOnHolds(const SpineParts& parts) const {
   }
   ModelPtr m = compile(document, "torso_on_holds");
   m->opt.timestep = kStep;
-  m->opt.disableflags |= mjDSBL_GRAVITY | mjDSBL_ACTUATION | mjDSBL_SENSOR;
+  m->opt.disableflags |= mjDSBL_GRAVITY | mjDSBL_SENSOR;
   for (int i = 0; i < m->ntendon && !parts.ligaments; i++) m->tendon_limited[i] = 0;
   torsoOf(m.get(), name_);
   return m;

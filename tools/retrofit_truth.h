@@ -17,7 +17,7 @@
 
 namespace torso::tools {
 
-// Names of the motions.
+// Names of the motions; there are more, see truthMotion.
 std::vector<std::string> truthMotions();
 
 struct Truth {
@@ -27,9 +27,9 @@ struct Truth {
 };
 
 // Forward dynamics of the whole body under gravity at the model's time step: servos of levels and
-// joints drive it, each along its own course. What retrofit does not know of it: the servos'
-// moments, the body's weight and its inertia. Throws Error for an unknown motion, or if MuJoCo
-// warns.
+// joints drive it, each along its own course (truth_motions.h). What retrofit does not know of it:
+// the servos' moments, the body's weight and its inertia. Throws Error for an unknown motion, or if
+// MuJoCo warns.
 Truth makeTruth(const BodyMjcf& body, const std::string& motion, double rate);
 
 // How far a retrofitted motion is from the truth: root mean squares over all frames of the angle of

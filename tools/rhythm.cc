@@ -65,6 +65,21 @@ void spring(const mjModel* m, mjData* d, int joint, double stiffness, const Quat
 
 }  // namespace
 
+GirdleTurns girdleRhythm(double raised, double side) {
+  const auto mirrored = [side](const Vector3d& v) {
+    return Vector3d(side * v.x(), v.y(), side * v.z());
+  };
+  const double clavicle = ramp(raised - kClavicleOnset) - ramp(-kClavicleOnset);
+  const double scapula = ramp(raised - kScapulaOnset) - ramp(-kScapulaOnset);
+  const Quaterniond on_ribcage =
+      turnBy(mirrored(clavicle * Vector3d(kElevation, -kPosterior, kRetraction)));
+  const double c = std::cos(kScapularPlane), n = std::sin(kScapularPlane);
+  const Vector3d turn =
+      kUpward * Vector3d(c, -n, 0) - kTilt * Vector3d(n, c, 0) + kExternal * Vector3d::UnitZ();
+  const Quaterniond scapula_on_ribcage = turnBy(mirrored(scapula * turn));
+  return {on_ribcage, on_ribcage.conjugate() * scapula_on_ribcage};
+}
+
 Rhythm::Rhythm(const mjModel* torso, const mjModel* human) {
   const auto body = [&](const std::string& name) {
     return mj_name2id(torso, mjOBJ_BODY, name.c_str());
@@ -102,26 +117,22 @@ Rhythm::Rhythm(const mjModel* torso, const mjModel* human) {
 void Rhythm::apply(const mjModel* m, mjData* d) const {
   const Quaterniond head = rotation(d, head_) * head_rest_, t1 = rotation(d, t1_) * t1_rest_;
   const Vector3d neck = rotationVector(t1.conjugate() * head);
-  // The head's frame has the standing axes at rest.
-  spring(m, d, head_joint_, kRhythmStiffness.head, turnBy(head_share_ * neck.array()));
+  // The head's frame has the standing axes at rest. Its share levels off towards the end of its
+  // range, so that it does not run into the stop at speed: the others' shares rise smoothly.
+  const Vector3d share = head_share_ * neck.array();
+  const double most = m->jnt_range[2 * head_joint_ + 1];
+  const double beyond = most > 0 ? std::pow(share.norm() / most, 4) : 0;
+  spring(m, d, head_joint_, kRhythmStiffness.head, turnBy(share / std::pow(1 + beyond, 0.25)));
 
   for (const Shoulder& shoulder : shoulders_) {
     const Quaterniond ribcage = rotation(d, ribcage_);
     const Vector3d shaft = ribcage.conjugate() * (rotation(d, shoulder.humerus) * shoulder.shaft);
     const double raised = std::acos(std::clamp(-shaft.z(), -1.0, 1.0));
-    const double s = shoulder.side;
-    const auto mirrored = [s](const Vector3d& v) { return Vector3d(s * v.x(), v.y(), s * v.z()); };
-    const double clavicle = ramp(raised - kClavicleOnset) - ramp(-kClavicleOnset);
-    const double scapula = ramp(raised - kScapulaOnset) - ramp(-kScapulaOnset);
-    const Quaterniond on_ribcage =
-        turnBy(mirrored(clavicle * Vector3d(kElevation, -kPosterior, kRetraction)));
-    const double c = std::cos(kScapularPlane), n = std::sin(kScapularPlane);
-    const Vector3d turn =
-        kUpward * Vector3d(c, -n, 0) - kTilt * Vector3d(n, c, 0) + kExternal * Vector3d::UnitZ();
-    const Quaterniond scapula_on_ribcage = turnBy(mirrored(scapula * turn));
-    spring(m, d, shoulder.sternoclavicular, kRhythmStiffness.sternoclavicular, on_ribcage);
+    const GirdleTurns turns = girdleRhythm(raised, shoulder.side);
+    spring(m, d, shoulder.sternoclavicular, kRhythmStiffness.sternoclavicular,
+           turns.sternoclavicular);
     spring(m, d, shoulder.acromioclavicular, kRhythmStiffness.acromioclavicular,
-           on_ribcage.conjugate() * scapula_on_ribcage);
+           turns.acromioclavicular);
   }
 }
 

@@ -9,6 +9,14 @@
 
 namespace torso::tools {
 
+// Turns of the joints of a shoulder girdle from rest, in the standing axes of the parent bone.
+struct GirdleTurns {
+  Eigen::Quaterniond sternoclavicular, acromioclavicular;
+};
+// Of clavicle and scapula while the upper arm is raised against the rib cage by an angle [rad], as
+// published (see rhythm.cc). side: 1 left, -1 right.
+GirdleTurns girdleRhythm(double raised, double side);
+
 // What muscles do in every person alike and discs, ligaments and facets do not: the shoulder girdle
 // goes along when an arm is raised, and the joints between skull and axis take their share of the
 // neck's turns. Springs of these ball joints about a pose that follows the held bones.

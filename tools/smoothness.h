@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <vector>
 
+#include "tools/held_motion.h"
+
 namespace torso::tools {
 
 // How fast turns change, over the frequencies of their angular velocity.
@@ -19,5 +21,8 @@ struct Smoothness {
 // of first differences, seen through a Hann window, summed over all turns and axes.
 Smoothness smoothness(const std::vector<std::vector<Eigen::Vector3d>>& input,
                       const std::vector<std::vector<Eigen::Vector3d>>& output, double rate);
+
+// Turns of the held bones (kHeldBones) on the pelvis, frame by frame: the input of a retrofit.
+std::vector<std::vector<Eigen::Vector3d>> heldTurns(const HeldMotion& held);
 
 }  // namespace torso::tools

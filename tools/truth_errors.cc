@@ -27,24 +27,6 @@ std::array<Quaterniond, 3> regionTurns(const Posture& posture,
   return regions;
 }
 
-// Turns of the held bones on the pelvis.
-Turns heldTurns(const HeldMotion& held) {
-  const std::size_t n = held.bodies.size();
-  const auto at = [&](std::size_t frame, std::size_t body) {
-    const auto& q = held.quaternions[frame * n + body];
-    return Quaterniond(q[0], q[1], q[2], q[3]);
-  };
-  Turns turns(held.frames());
-  for (std::size_t frame = 0; frame < held.frames(); frame++) {
-    for (std::size_t i = 0; i < n; i++) {
-      if (std::find(kHeldBones.begin(), kHeldBones.end(), held.bodies[i]) == kHeldBones.end())
-        continue;
-      turns[frame].push_back(rotationVector(at(frame, 0).conjugate() * at(frame, i)));
-    }
-  }
-  return turns;
-}
-
 }  // namespace
 
 TruthErrors compareWithTruth(const RetrofitModels& models, const Truth& truth,
