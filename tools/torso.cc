@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
   addTimestep(app);
   addTruth(app);
   addGraft(app);
+  addOptimize(app);
   addDiscs(app);
   addCalibrateDiscs(app);
 
