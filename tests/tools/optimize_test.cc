@@ -75,7 +75,8 @@ TEST(Mppi, FailedSamplesHaveNoWeight) {
 const char kCart[] =
     "<mujoco><option gravity='0 0 0'/><worldbody><body name='cart'><joint name='rail' type='slide' "
     "axis='1 0 0'/><geom size='.1' mass='1'/></body></worldbody><actuator><motor name='push' "
-    "joint='rail' ctrlrange='-1 1'/></actuator><sensor><jointpos name='way' joint='rail'/>"
+    "joint='rail' ctrllimited='true' ctrlrange='-1 1'/></actuator><sensor><jointpos name='way' "
+    "joint='rail'/>"
     "<jointvel name='speed' joint='rail'/></sensor></mujoco>";
 
 std::string cartTask(const std::string& cost) {
