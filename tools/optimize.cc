@@ -15,6 +15,7 @@
 #include "tools/files.h"
 #include "tools/json_file.h"
 #include "tools/mujoco_support.h"
+#include "tools/random.h"
 #include "tools/run_record.h"
 #include "tools/task_scene.h"
 
@@ -35,12 +36,21 @@ double processSeconds() {
 // JSON has no infinity; null stands for it.
 double costOf(const Json& json) { return json.is_null() ? INFINITY : json.get<double>(); }
 
+// Of what a task file says, however it is laid out.
+std::uint64_t taskHash(const std::string& path) {
+  std::uint64_t hash = 0;
+  for (const char c : nlohmann::json::parse(readFile(path)).dump()) {
+    hash = mixBits(hash ^ static_cast<unsigned char>(c));
+  }
+  return hash;
+}
+
 Json settingsOf(const mjModel* m, const OptimizeOptions& o) {
   return {{"torso", torso_versionString()},
           {"mujoco", mj_versionString()},
           {"instruction_set", DiscBatch::instructionSet()},
           {"model", fmt::format("{:016x}", modelHash(m))},
-          {"task", Json::parse(readFile(o.task.path))},
+          {"task", fmt::format("{} {:016x}", o.task.name, taskHash(o.task.path))},
           {"horizon_s", o.task.horizon},
           {"timestep_s", o.task.timestep},
           {"knot_interval_s", o.task.knot_interval},
@@ -179,10 +189,11 @@ Json optimize(const OptimizeOptions& o, const Processes& processes, const Optimi
 
   Checkpoint c;
   c.state.nominal.assign(problem.size(), 0);
-  std::string found;
-  if (leads && fs::exists(checkpoint_path)) found = readFile(checkpoint_path);
-  found = processes.broadcast(found);
-  if (!found.empty()) c = parseCheckpoint(found, settings, problem.size(), checkpoint_path);
+  const bool resume = leads && fs::exists(checkpoint_path);
+  const std::string found = processes.broadcast(resume ? "+" + readFile(checkpoint_path) : "");
+  if (!found.empty()) {
+    c = parseCheckpoint(found.substr(1), settings, problem.size(), checkpoint_path);
+  }
   if (c.state.iteration > o.iterations) {
     throw Error(fmt::format("{}: holds {} iterations already, more than --iterations {}", o.output,
                             c.state.iteration, o.iterations));

@@ -171,8 +171,18 @@ TEST_F(Optimize, IsTheSameForAnyNumberOfThreads) {
   expectSameFiles("threads1", "threads3");
 }
 
+TEST_F(Optimize, IsTheSameForAnyNumberOfProcesses) {
+  if (!*MPIRUN) GTEST_SKIP() << "mpirun or MPI's headers are not installed (libopenmpi-dev)";
+  const std::string arguments = "optimize far.json --model cart.xml --samples 7 --iterations 4 -o ";
+  ASSERT_EQ(run(arguments + "one").status, 0);
+  const Result result =
+      run(arguments + "three", MPIRUN " --oversubscribe --allow-run-as-root -n 3");
+  ASSERT_EQ(result.status, 0) << result.err;
+  expectSameFiles("one", "three");
+}
+
 TEST_F(Optimize, GoesOnAsIfItHadNotBeenStopped) {
-  const std::string arguments = "optimize far.json --model cart.xml --samples 300 ";
+  const std::string arguments = "optimize far.json --model cart.xml --samples 100 ";
   ASSERT_EQ(run(arguments + "--iterations 12 -o whole").status, 0);
   ASSERT_EQ(run(arguments + "--iterations 3 -o parts").status, 0);
   ASSERT_EQ(run(arguments + "--iterations 12 -o parts --resume --threads 2").status, 0);
@@ -186,7 +196,7 @@ TEST_F(Optimize, GoesOnAsIfItHadNotBeenStopped) {
         _exit(126);
       }
       execl(TORSO_COMMAND, "torso", "optimize", "far.json", "--model", "cart.xml", "--samples",
-            "300", "--iterations", "12", "-o", "killed", nullptr);
+            "100", "--iterations", "12", "-o", "killed", nullptr);
       _exit(127);
     }
     for (int i = 0; i < 2000 && !fs::exists(folder_ / "killed/checkpoint.json"); i++) {
@@ -216,6 +226,10 @@ TEST_F(Optimize, WrongCheckpointsAreRefused) {
   EXPECT_THAT(fails(arguments + "--resume --seed 4"), HasSubstr("seed is 0 there, but 4 now"));
   EXPECT_THAT(fails(arguments + "--resume --iterations 2"),
               HasSubstr("holds 3 iterations already"));
+  write("far.json", cartTask(R"({"weight": -2, "when": "end", "factors": [
+                    {"of": "com", "axis": "x"}]})"));
+  EXPECT_THAT(fails(arguments + "--resume"), HasSubstr("checkpoint.json: task is \"far "));
+  write("far.json", cartTask(kFar) + "\n");
   const std::string good = readFile(folder_ / "c/checkpoint.json");
   for (const std::string& damaged : {good.substr(0, good.size() / 2), std::string("{}"),
                                      std::string(), json{{"format", "torso optimize 1"}}.dump()}) {
