@@ -18,6 +18,7 @@ void addGraft(CLI::App& app);
 void addIdentify(CLI::App& app);
 void addImportBones(CLI::App& app);
 void addInfo(CLI::App& app);
+void addOptimize(CLI::App& app);
 void addPressure(CLI::App& app);
 void addRender(CLI::App& app);
 void addRetrofit(CLI::App& app);

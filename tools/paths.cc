@@ -32,6 +32,8 @@ std::string anatomyFolder() { return dataFolder("anatomy", "model/anatomy"); }
 
 std::string mjcfFolder() { return dataFolder("mjcf", "mjcf"); }
 
+std::string tasksFolder() { return dataFolder("tasks", "tasks"); }
+
 std::string pluginLibrary() {
   Dl_info info;
   if (!dladdr(reinterpret_cast<void*>(&torso_version), &info) || !info.dli_fname) {

@@ -9,10 +9,12 @@ namespace torso::tools {
 // (<prefix>/bin/torso, <prefix>/share/mujoco_torso) or, if there is none, in the source tree that
 // the executable was built from.
 
-// Folder of the anatomy tables. Throws Error if it is in neither place, as does mjcfFolder.
+// Folder of the anatomy tables. Throws Error if it is in neither place, as do the other two.
 std::string anatomyFolder();
 // Folder of the MJCF models that come with the project.
 std::string mjcfFolder();
+// Folder of the tasks of `torso optimize`.
+std::string tasksFolder();
 // The plugin library that this process runs with, as an absolute path. Throws Error.
 std::string pluginLibrary();
 

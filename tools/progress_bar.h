@@ -14,9 +14,7 @@ namespace torso::tools {
 class ProgressBar {
  public:
   ProgressBar() : terminal_(isatty(STDERR_FILENO)) {}
-  ~ProgressBar() {
-    if (terminal_) std::cerr << "\r\033[K" << std::flush;
-  }
+  ~ProgressBar() { clear(); }
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
@@ -27,6 +25,11 @@ class ProgressBar {
     std::cerr << fmt::format("\r[{:<{}}] {:3.0f} %{}\033[K", std::string(filled, '='), kWidth,
                              100 * share, timeLeft(share))
               << std::flush;
+  }
+
+  // Make room for a line of text.
+  void clear() const {
+    if (terminal_) std::cerr << "\r\033[K" << std::flush;
   }
 
  private:

@@ -15,24 +15,12 @@
 
 #include "tools/clock.h"
 #include "tools/mujoco_support.h"
+#include "tools/random.h"
 
 namespace torso::tools {
 namespace {
 
 constexpr double kControlInterval = 0.1;  // [s]
-
-// Bijective mixing of 64 bits (the finaliser of SplitMix64).
-std::uint64_t mix(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-  return x ^ (x >> 31);
-}
-
-// Uniform number in [0, 1), a function of its arguments alone.
-double uniform(std::uint64_t seed, std::uint64_t interval, std::uint64_t index) {
-  return static_cast<double>(mix(mix(mix(seed) + interval) + index) >> 11) * 0x1p-53;
-}
 
 void hash(std::uint64_t& h, const void* data, std::size_t size) {
   const auto* bytes = static_cast<const unsigned char*>(data);

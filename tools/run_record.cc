@@ -39,24 +39,6 @@ void readBins(const Json& bins, LengthHistogram* histogram) {
   }
 }
 
-// FNV-1a of the model as a binary file, without the plugin's note, which differs in each process.
-std::uint64_t modelHash(const mjModel* m) {
-  const std::unique_ptr<mjModel, Deleter> copy(mj_copyModel(nullptr, m));
-  if (!copy) throw Error("not enough memory to copy the model");
-  for (int i = 0; i < copy->nnumeric; i++) {
-    const std::string name = copy->names + copy->name_numericadr[i];
-    const std::string note = plugin::kNoteName;
-    const bool ends = name.size() >= note.size() &&
-                      name.compare(name.size() - note.size(), note.size(), note) == 0;
-    if (ends && copy->numeric_size[i] > 1) copy->numeric_data[copy->numeric_adr[i] + 1] = 0;
-  }
-  std::vector<unsigned char> bytes(mj_sizeModel(copy.get()));
-  mj_saveModel(copy.get(), nullptr, bytes.data(), static_cast<int>(bytes.size()));
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const unsigned char byte : bytes) hash = (hash ^ byte) * 0x100000001b3;
-  return hash;
-}
-
 }  // namespace
 
 std::string recordText(const RunResult& run, const Violations& violations) {
@@ -99,6 +81,24 @@ RunResult parseRecord(const std::string& text, const std::string& where, Violati
                     "again",
                     where, e.what()));
   }
+}
+
+// FNV-1a of the model as a binary file, without the plugin's note, which differs in each process.
+std::uint64_t modelHash(const mjModel* m) {
+  const std::unique_ptr<mjModel, Deleter> copy(mj_copyModel(nullptr, m));
+  if (!copy) throw Error("not enough memory to copy the model");
+  for (int i = 0; i < copy->nnumeric; i++) {
+    const std::string name = copy->names + copy->name_numericadr[i];
+    const std::string note = plugin::kNoteName;
+    const bool ends = name.size() >= note.size() &&
+                      name.compare(name.size() - note.size(), note.size(), note) == 0;
+    if (ends && copy->numeric_size[i] > 1) copy->numeric_data[copy->numeric_adr[i] + 1] = 0;
+  }
+  std::vector<unsigned char> bytes(mj_sizeModel(copy.get()));
+  mj_saveModel(copy.get(), nullptr, bytes.data(), static_cast<int>(bytes.size()));
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const unsigned char byte : bytes) hash = (hash ^ byte) * 0x100000001b3;
+  return hash;
 }
 
 Json runSettings(const mjModel* m, const RolloutOptions& options) {

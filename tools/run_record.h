@@ -19,6 +19,9 @@ std::string recordText(const RunResult& run, const Violations& violations);
 // The way back; violations are added to *all. where: what an Error names.
 RunResult parseRecord(const std::string& text, const std::string& where, Violations* all);
 
+// Of a model as a binary file; the same in each process that loads it.
+std::uint64_t modelHash(const mjModel* m);
+
 // All that the results of a seed depend on, which is the seed apart: model, options, versions and
 // the instruction set of the discs' solver. m: after configureModel.
 nlohmann::ordered_json runSettings(const mjModel* m, const RolloutOptions& options);

@@ -44,6 +44,7 @@ int main(int argc, char** argv) {
   addTruth(app);
   addValidate(app);
   addGraft(app);
+  addOptimize(app);
   addDiscs(app);
   addCalibrateDiscs(app);
 
