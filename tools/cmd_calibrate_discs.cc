@@ -206,6 +206,8 @@ void addCalibrateDiscs(CLI::App& app) {
       "in\n"
       "units of the published ranges; what the tests leave open stays at typical published "
       "values.\n"
+      "Discs lie between the bones of the models in mjcf: after a change of bones, build those "
+      "first.\n"
       "The answer does not depend on the present table. It takes some minutes; models see the new\n"
       "table after `torso build`.\n\n"
       "Examples:\n"

@@ -231,6 +231,8 @@ ModelPtr BodyMjcf::torsoOnHolds(const SpineParts& parts) const {
   ModelPtr m = compile(document, "torso_on_holds");
   m->opt.timestep = kStep;
   m->opt.disableflags |= mjDSBL_GRAVITY | mjDSBL_SENSOR;
+  // SpineRhythm turns bones against each other, which without discs nothing keeps in line.
+  if (!parts.discs) m->opt.disableflags |= mjDSBL_ACTUATION;
   for (int i = 0; i < m->ntendon && !parts.ligaments; i++) m->tendon_limited[i] = 0;
   torsoOf(m.get(), name_);
   return m;

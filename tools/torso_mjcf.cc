@@ -570,11 +570,15 @@ void Writer::writeContacts() {
   // The bits keep trunk and spine from meeting themselves, and the geoms of facets from meeting
   // anything. To say so body by body spares MuJoCo the look at each pair of their geoms, a fiftieth
   // of a step.
+  std::set<std::string> limbs;
+  for (const std::string& part : mjcfBodies(a_, o_)) {
+    for (const CollisionShape& shape : collisionShapes(a_, part)) {
+      if (shape.kind == "limb") limbs.insert(host(part));
+    }
+  }
   std::vector<std::string> trunk;
   for (const auto& [body, element] : bodies_) {
-    const std::vector<CollisionShape> shapes = collisionShapes(a_, body);
-    const auto isLimb = [](const CollisionShape& shape) { return shape.kind == "limb"; };
-    if (std::any_of(shapes.begin(), shapes.end(), isLimb)) continue;
+    if (limbs.count(body)) continue;
     for (const std::string& other : trunk) exclude(other, body);
     trunk.push_back(body);
   }

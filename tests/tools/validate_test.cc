@@ -132,7 +132,7 @@ TEST_F(Validate, GoesOnAfterACommandThatCannotBeStarted) {
 
 TEST_F(Validate, InterruptedItLeavesWholeFiles) {
   const Result result = run("validate --short --only info,shoulder,identify -o v",
-                            "timeout --preserve-status -s INT 1");
+                            "timeout --foreground --preserve-status -s INT 1");
   EXPECT_NE(result.status, 0);
   EXPECT_NE(result.err.find("the same command goes on"), std::string::npos) << result.err;
   EXPECT_LT(results("v").size(), 3u);
