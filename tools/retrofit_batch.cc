@@ -116,7 +116,7 @@ class Batch {
 
   Json run() {
     makeFolder(batch_.output);
-    writeFile(batch_.output + "/scene.xml", readFile(mjcfFolder() + "/scene.xml"));
+    if (processes_.rank() == 0) copyScene();
     for (size_t i = processes_.rank(); i < files_.size(); i += processes_.size()) {
       if (batch_.again || !isDone(i)) todo_.push_back(i);
     }
@@ -150,6 +150,18 @@ class Batch {
   }
 
  private:
+  // What the bodies' files refer to.
+  void copyScene() const {
+    std::map<std::string, std::string> files = {
+        {batch_.output + "/scene.xml", readFile(mjcfFolder() + "/scene.xml")}};
+    makeFolder(batch_.output + "/assets");
+    for (const auto& mesh : fs::directory_iterator(mjcfFolder() + "/assets")) {
+      const std::string name = mesh.path().filename().string();
+      files[batch_.output + "/assets/" + name] = readFile(mesh.path().string());
+    }
+    writeFiles(files);
+  }
+
   std::string mark(size_t i) const { return batch_.output + "/" + stem_of_[i] + ".json"; }
 
   // Takes the rows from the mark.

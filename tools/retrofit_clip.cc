@@ -183,8 +183,13 @@ void addSmoothness(Json* row, const HeldMotion& motion, const RetrofitResult& re
   (*row)["largest_jump_deg"] = rounded(s.largest_jump * 180 / M_PI);
 }
 
-// The body's file: in the scene that lies beside it.
-std::string inScene(const std::string& mjcf) {
+// The body's file: in the scene and with the meshes that lie beside it, so that the folder may
+// move.
+std::string inScene(std::string mjcf, const std::string& meshes) {
+  const std::string from = "file=\"" + meshes + "/", to = "file=\"assets/";
+  for (std::size_t at = 0; (at = mjcf.find(from, at)) != std::string::npos; at += to.size()) {
+    mjcf.replace(at, from.size(), to);
+  }
   const std::size_t root = mjcf.find('>', mjcf.find("<mujoco"));
   return mjcf.substr(0, root + 1) + "\n    <include file=\"scene.xml\"/>" + mjcf.substr(root + 1);
 }
@@ -260,7 +265,7 @@ Json retrofitPerson(const Anatomy& tables, const Person& person, const std::stri
       {base + ".bin", motionBinary(motion)},
       {base + ".bvh", motionBvh(m, motion)},
       {base + ".glb", motionGlb(compileModel(mjcf, person.name).get(), motion)},
-      {base + ".xml", inScene(mjcf)},
+      {base + ".xml", inScene(mjcf, meshes)},
       {base + "_readouts.csv", readoutsCsv(models, result)}};
   if (temporary) {
     files[base + "_temporary.xml"] =
