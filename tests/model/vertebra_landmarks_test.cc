@@ -72,7 +72,8 @@ void expectFound(const std::string& level, const VertebraLandmarks& found, const
               2e-3);
   const Vector3d spinous = v.spinous_tip_distance * Vector3d(-std::cos(v.spinous_declination), 0,
                                                              -std::sin(v.spinous_declination));
-  // The sacrum's crest cuts L5's process off below, so that the middle of its end is above its axis.
+  // The sacrum's crest cuts L5's process off below, so that the middle of its end is above its
+  // axis.
   EXPECT_LT((I * found.spinous_tip - spinous).norm(), level == "L5" ? 5e-3 : 3e-3);
   const VertebraPrior truth = vertebraPrior(anatomy(), level);
   for (int side : {0, 1}) {
