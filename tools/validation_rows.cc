@@ -377,15 +377,13 @@ std::vector<Row> truthRows(const Json& j) {
 }
 
 std::vector<Row> optimizeRows(const Json& j) {
-  const double hours = j.at("core_s").get<double>() / 3600;
   std::vector<Row> rows = {
       headline({j.at("task").get<std::string>() + ", best cost", number(j.at("best_cost")), "",
                 std::nullopt, ""}),
-      headline({j["task"].get<std::string>() + ", core-hours", number(hours), "36", std::nullopt,
-                "Lee et al. 2023"}),
       {"cost at the start", number(j.at("start_cost")), ""},
       {"iterations", number(j.at("iterations")), "30", std::nullopt, "Lee et al. 2023"},
-      {"parameters", number(j.at("parameters")), ""}};
+      {"parameters", number(j.at("parameters")), ""},
+      {"simulated in an iteration [s]", number(j.at("simulated_s_per_iteration")), ""}};
   for (const char* key : {"samples", "horizon_s", "timestep_s", "temperature", "noise", "seed"}) {
     if (j.at("settings").contains(key)) rows.push_back({text(key), number(j["settings"][key]), ""});
   }

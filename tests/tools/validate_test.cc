@@ -114,8 +114,9 @@ TEST_F(Validate, ShowsAFailedSectionAndSaysSo) {
   EXPECT_NE(readFile(folder_ / "v/index.html").find("its figures could not be read"),
             std::string::npos);
   // Mended, it is run again and the page is whole.
-  write("swing/result.json",
-        R"({"task": "swing", "best_cost": -1.5, "start_cost": 0.5, "core_s": 900, "iterations": 30,
+  write(
+      "swing/result.json",
+      R"({"task": "swing", "best_cost": -1.5, "start_cost": 0.5, "simulated_s_per_iteration": 76.8, "iterations": 30,
             "parameters": 60, "settings": {"samples": 64, "horizon_s": 1.2}})");
   EXPECT_EQ(run(command).status, 0);
   EXPECT_NE(readFile(folder_ / "v/index.html").find("<td class=\"ours\">-1.5</td>"),
