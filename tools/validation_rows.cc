@@ -202,10 +202,9 @@ std::vector<Row> pressureRows(const Json& j) {
     rows.push_back(row("servos only", a.at("servos"), "nucleus_pressure_mpa"));
     rows.back().inside.reset();
     if (a.contains("muscles")) {
-      rows.push_back(headline(row("muscles", a["muscles"], "nucleus_pressure_mpa")));
-      rows.push_back(row("muscles, disc of the subject's area", a["muscles"],
-                         "nucleus_pressure_area_of_subject_mpa"));
-      rows.back().inside.reset();
+      rows.push_back(headline(row("muscles, disc of the subject's area", a["muscles"],
+                                  "nucleus_pressure_area_of_subject_mpa")));
+      rows.push_back(headline(row("muscles, our disc", a["muscles"], "nucleus_pressure_mpa")));
       rows.push_back({title + ", compression",
                       number(discOf(a["muscles"], disc).at("compression_n"), "N"), ""});
     }
