@@ -118,11 +118,14 @@ HeldMotion heldBones(const mjModel* m, const Motion& motion, const std::string& 
   held.rate = motion.rate / every;
   held.bodies.assign(kHeldBones.begin(), kHeldBones.end());
   held.bodies.push_back("pelvis");
+  std::vector<int> ids;
+  for (const std::string& body : held.bodies) {
+    ids.push_back(mj_name2id(m, mjOBJ_BODY, body.c_str()));
+  }
   for (std::size_t frame = 0; frame < motion.frames(); frame += every) {
     mju_copy(d->qpos, motion.qpos.data() + frame * m->nq, m->nq);
     mj_kinematics(m, d.get());
-    for (const std::string& body : held.bodies) {
-      const int id = mj_name2id(m, mjOBJ_BODY, body.c_str());
+    for (const int id : ids) {
       const mjtNum *p = d->xpos + 3 * id, *q = d->xquat + 4 * id;
       held.positions.push_back({p[0], p[1], p[2]});
       held.quaternions.push_back({q[0], q[1], q[2], q[3]});
@@ -132,19 +135,20 @@ HeldMotion heldBones(const mjModel* m, const Motion& motion, const std::string& 
 }
 
 // The motion with parts left out: that in `path`, if it is of this motion, else solved anew.
-Motion solveWithout(const SpineParts& parts, const BodyMjcf& body, const Motion& motion,
-                    const std::string& motion_path, const std::string& path, int every,
-                    const std::function<void(double)>& progress) {
-  const RetrofitModels models(body, parts);
-  const HeldMotion held = heldBones(models.human.get(), motion, path, every);
+// human: of the body.
+Motion solveWithout(const SpineParts& parts, const BodyMjcf& body, const mjModel* human,
+                    const Motion& motion, const std::string& motion_path, const std::string& path,
+                    int every, const std::function<void(double)>& progress) {
+  const HeldMotion held = heldBones(human, motion, path, every);
   std::error_code error;
   const auto time = fs::last_write_time(path, error);
   if (!error && time >= fs::last_write_time(motion_path)) {
-    const Motion done = motionOf(models.human.get(), readMotion(path), path);
+    const Motion done = motionOf(human, readMotion(path), path);
     if (done.rate == held.rate && done.frames() == held.frames()) return done;
   }
   RetrofitOptions options;
   options.steps /= every;
+  const RetrofitModels models(body, parts);
   const Motion solved = motionOf(models, retrofit(models, held, options, progress));
   writeFile(path, motionBinary(solved));
   return solved;
@@ -210,7 +214,7 @@ MotionStatistics measureMotions(const Anatomy& anatomy, const Skeleton& skeleton
       for (std::size_t k = 0; k < kinds.size() && options.without; k++) {
         makeFolder(folder + kinds[k].folder);
         const Motion other = solveWithout(
-            kinds[k].parts, body, motion, path + ".bin",
+            kinds[k].parts, body, human.get(), motion, path + ".bin",
             folder + kinds[k].folder + "/" + clips[i].name + ".bin", options.every,
             [&](double share) { show((static_cast<double>(k) + share) / kinds.size()); });
         of_clip[k + 1] = sample(human.get(), other, anatomy, gaps, clips[i].scale, 1);
