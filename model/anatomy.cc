@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "model/csv.h"
+#include "model/pitch.h"
 #include "model/range_of_motion.h"
 
 namespace torso {
@@ -24,13 +25,6 @@ constexpr double kDeg = 3.14159265358979323846 / 180;
 using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-
-Isometry3d pitched(const Vector3d& position, double pitch) {
-  Isometry3d X = Isometry3d::Identity();
-  X.translate(position);
-  X.rotate(AngleAxisd(pitch, Vector3d::UnitY()));
-  return X;
-}
 
 Vertebra readVertebra(const CsvTable& t, int i) {
   const auto mm = [&](const char* column) {
@@ -350,6 +344,15 @@ const Vertebra& Anatomy::vertebra(const std::string& level) const {
 
 Isometry3d Anatomy::boneFrame(const std::string& level) const {
   return level == "S1" ? pitched(Vector3d::Zero(), sacral_slope) : vertebra(level).frame();
+}
+
+const Disc& Anatomy::disc(const std::string& name) const {
+  std::string known;
+  for (const Disc& disc : discs) {
+    if (disc.name == name) return disc;
+    known += (known.empty() ? "" : ", ") + disc.name;
+  }
+  throw std::runtime_error("no disc is called '" + name + "'; there are " + known);
 }
 
 const Vector3d& Anatomy::landmark(const std::string& name) const {

@@ -203,6 +203,7 @@ struct Anatomy {
   // By name; "S1" has a frame too: the S1 upper endplate's, pitched by the sacral slope.
   Eigen::Isometry3d boneFrame(const std::string& level) const;
   const Vertebra& vertebra(const std::string& level) const;  // includes C2; throws if unknown
+  const Disc& disc(const std::string& name) const;  // throws std::runtime_error that lists them
   const Eigen::Vector3d& landmark(const std::string& name) const;
   const Segment& segment(const std::string& name) const;
   double sacral_slope = 0;  // pitch of the S1 endplate [rad]

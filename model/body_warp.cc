@@ -7,18 +7,13 @@
 #include <stdexcept>
 
 #include "model/body.h"
+#include "model/pitch.h"
 
 namespace torso {
 namespace {
 
-using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-Matrix3d pitchMatrix(double pitch) {
-  return AngleAxisd(pitch, Vector3d::UnitY()).toRotationMatrix();
-}
 
 // 1 up to `from`, 0 beyond `to`, smooth between.
 double fade(double x, double from, double to) {
@@ -44,7 +39,7 @@ Rim sacralRim(const Anatomy& a) {
 Rim axisRim(const Anatomy& a) {
   Isometry3d X = a.c2.frame();
   X.translate(Vector3d(0, 0, -(a.c2.body_height_anterior + a.c2.body_height_posterior) / 4));
-  X.rotate(AngleAxisd(a.c2.lower_endplate_pitch - a.c2.pitch, Vector3d::UnitY()));
+  X.rotate(pitchMatrix(a.c2.lower_endplate_pitch - a.c2.pitch));
   return rim(X, a.c2.lower_endplate_width, a.c2.lower_endplate_depth);
 }
 

@@ -92,34 +92,34 @@ std::vector<Solid> tarsals() {
   return bones;
 }
 
-// Great toe to little toe: base and head of the metatarsal, then the ends of the phalanges.
-struct Ray {
-  Vector2d base, waist, head;  // half width and half depth of the metatarsal
-  std::vector<Vector3d> ends;
-};
-
+// Great toe to little toe.
 const std::vector<Ray>& rays() {
   static const std::vector<Ray> kRays = {
       {{9.5, 14},
        {6.4, 7},
        {10.5, 10.5},
-       {{125.5, -22.5, 37}, {187, -29, 15}, {219, -24.5, 12}, {244, -20, 9}}},
+       {{125.5, -22.5, 37}, {187, -29, 15}, {219, -24.5, 12}, {244, -20, 9}},
+       kUp},
       {{7, 10},
        {3.9, 4.2},
        {5.8, 7.8},
-       {{119, -8.5, 46.5}, {197, -9, 15}, {224, -6.5, 17}, {236.5, -5.5, 11}, {247, -4.5, 6}}},
+       {{119, -8.5, 46.5}, {197, -9, 15}, {224, -6.5, 17}, {236.5, -5.5, 11}, {247, -4.5, 6}},
+       kUp},
       {{6.8, 9.5},
        {3.7, 4.1},
        {5.5, 7.4},
-       {{122.5, 4.5, 42}, {193.5, 6, 14}, {217.5, 8.5, 16}, {228, 9.5, 10.5}, {238, 10, 5.5}}},
+       {{122.5, 4.5, 42}, {193.5, 6, 14}, {217.5, 8.5, 16}, {228, 9.5, 10.5}, {238, 10, 5.5}},
+       kUp},
       {{6.8, 9},
        {3.7, 4.1},
        {5.4, 7.2},
-       {{117, 16, 35.5}, {185, 20, 13}, {207, 22.5, 14.5}, {216, 23.5, 9.5}, {225, 24, 5}}},
+       {{117, 16, 35.5}, {185, 20, 13}, {207, 22.5, 14.5}, {216, 23.5, 9.5}, {225, 24, 5}},
+       kUp},
       {{8.5, 7.5},
        {4.2, 4},
        {5.6, 6.6},
-       {{110, 26, 27}, {172.5, 34, 11.5}, {192.5, 36.5, 12.5}, {200, 37.5, 8.5}, {208, 38, 4.8}}}};
+       {{110, 26, 27}, {172.5, 34, 11.5}, {192.5, 36.5, 12.5}, {200, 37.5, 8.5}, {208, 38, 4.8}},
+       kUp}};
   return kRays;
 }
 
@@ -138,34 +138,22 @@ TriMesh footMesh(const Anatomy& anatomy) {
 
   std::vector<Solid> bones = tarsals();
   std::vector<int> faces = {600, 540, 230, 270, 180, 150, 170};
+  const RayStyle style = {{1, 0.85}, {0.6, 0.55}, {0.82, 0.74}, {1, 1}, {0.62, 0.6}, {0.8, 0.5}};
   for (const Ray& ray : rays()) {
     const bool great = &ray == &rays().front(), little = &ray == &rays().back();
-    Vector2d half = ray.head;
-    const int last = static_cast<int>(ray.ends.size()) - 2;
-    for (int k = 0; k <= last; k++) {
-      const Vector3d &a = ray.ends[k], &b = ray.ends[k + 1];
-      const Vector3d joint = (b - a).normalized() * 0.6;  // cartilage
-      if (k == 0) {
-        Blend bone;
-        bone.unite(rayBone(RayBone::kMetapodial, a, b - joint, kUp, ray.base, ray.waist, ray.head));
-        if (little) bone.unite(ellipsoidSolid({107, 33, 23}, {9, 4.5, 5}, turned(8, kUp)), 5);
-        bones.push_back(bone.solid());
-        faces.push_back(great ? 290 : 230);
-        continue;
-      }
-      const Vector2d base = half.cwiseProduct(k == 1 ? Vector2d(1, 0.85) : Vector2d(1, 0.95));
-      if (k == last) {
-        bones.push_back(rayBone(RayBone::kTerminal, a + joint, b, kUp, base,
-                                base.cwiseProduct(Vector2d(0.62, 0.6)),
-                                base.cwiseProduct(Vector2d(0.8, 0.5))));
-        faces.push_back(great ? 140 : 76);
-        continue;
-      }
-      const Vector2d head = base.cwiseProduct(Vector2d(0.82, 0.74));
-      bones.push_back(rayBone(RayBone::kPhalanx, a + joint, b - joint, kUp, base,
-                              base.cwiseProduct(Vector2d(0.6, 0.55)), head));
-      faces.push_back(great ? 170 : 104);
-      half = head;
+    std::vector<Solid> toe = rayBones(ray, style);
+    if (little) {  // tuberosity of the fifth metatarsal
+      toe[0] = Blend(toe[0])
+                   .unite(ellipsoidSolid({107, 33, 23}, {9, 4.5, 5}, turned(8, kUp)), 5)
+                   .solid();
+    }
+    for (std::size_t k = 0; k < toe.size(); k++) {
+      bones.push_back(toe[k]);
+      const bool terminal = k + 1 == toe.size();
+      faces.push_back(k == 0     ? (great ? 290 : 230)
+                      : terminal ? (great ? 140 : 76)
+                      : great    ? 170
+                                 : 104);
     }
   }
   // Sesamoid bones under the head of the first metatarsal.

@@ -69,36 +69,37 @@ std::vector<Solid> carpals() {
   return bones;
 }
 
-// Thumb to little finger: base and head of the metacarpal, then the ends of the phalanges,
-// slightly flexed.
-struct Finger {
-  Vector2d base, waist, head;  // half width and half depth of the metacarpal
-  std::vector<Vector3d> ends;
-};
-
-const std::vector<Finger>& fingers() {
-  static const std::vector<Finger> kFingers = {
+// Thumb to little finger, slightly flexed. The thumb's nail looks forward, the others' to the back
+// of the hand.
+const std::vector<Ray>& rays() {
+  const Vector3d thumb(-0.3, 0.55, -0.8), others(0, 0, -1);  // dorsal
+  static const std::vector<Ray> kRays = {
       {{7.2, 6.8},
        {4.6, 4},
        {7.6, 6.2},
-       {{21, 28.5, 6}, {61, 42, 14}, {91, 51, 16}, {115, 57, 16}}},
+       {{21, 28.5, 6}, {61, 42, 14}, {91, 51, 16}, {115, 57, 16}},
+       thumb},
       {{8, 7.4},
        {4.2, 4.2},
        {7.2, 7.4},
-       {{21, 14.5, -1}, {91, 21, 0}, {132, 25, 5}, {155, 26, 9}, {172, 26, 12}}},
+       {{21, 14.5, -1}, {91, 21, 0}, {132, 25, 5}, {155, 26, 9}, {172, 26, 12}},
+       others},
       {{6.8, 8},
        {4.2, 4.3},
        {7.2, 7.6},
-       {{23.5, 3, -1}, {92, 3.5, -1}, {137, 4, 4}, {164, 3, 4}, {kHandLength, 0, 0}}},
+       {{23.5, 3, -1}, {92, 3.5, -1}, {137, 4, 4}, {164, 3, 4}, {kHandLength, 0, 0}},
+       others},
       {{5.8, 6.6},
        {3.5, 3.7},
        {6.3, 6.8},
-       {{23, -8.5, 0}, {86.5, -12, 0}, {128, -15, 6}, {153.5, -16, 10}, {172, -16, 13}}},
+       {{23, -8.5, 0}, {86.5, -12, 0}, {128, -15, 6}, {153.5, -16, 10}, {172, -16, 13}},
+       others},
       {{6, 5.8},
        {3.4, 3.4},
        {6, 6.2},
-       {{22, -18, 1}, {77.5, -25.5, 2}, {110, -31, 8}, {128.5, -33, 12}, {145, -34, 15}}}};
-  return kFingers;
+       {{22, -18, 1}, {77.5, -25.5, 2}, {110, -31, 8}, {128.5, -33, 12}, {145, -34, 15}},
+       others}};
+  return kRays;
 }
 
 }  // namespace
@@ -116,34 +117,13 @@ TriMesh handMesh(const Anatomy& anatomy) {
 
   std::vector<Solid> bones = carpals();
   std::vector<int> faces(bones.size(), 245);
-  for (const Finger& finger : fingers()) {
-    const bool is_thumb = &finger == &fingers().front();
-    // The thumb's nail looks forward, the others' to the back of the hand.
-    const Vector3d dorsal = is_thumb ? Vector3d(-0.3, 0.55, -0.8) : Vector3d(0, 0, -1);
-    Vector2d half = finger.head;
-    const int last = static_cast<int>(finger.ends.size()) - 2;
-    for (int k = 0; k <= last; k++) {
-      const Vector3d &a = finger.ends[k], &b = finger.ends[k + 1];
-      const Vector3d joint = (b - a).normalized() * 0.6;  // cartilage
-      if (k == 0) {
-        bones.push_back(rayBone(RayBone::kMetapodial, a, b - joint, dorsal, finger.base,
-                                finger.waist, finger.head));
-        faces.push_back(230);
-        continue;
-      }
-      const Vector2d base = half.cwiseProduct(k == 1 ? Vector2d(1.02, 0.88) : Vector2d(1, 0.95));
-      if (k == last) {
-        bones.push_back(rayBone(RayBone::kTerminal, a + joint, b, dorsal, base,
-                                base.cwiseProduct(Vector2d(0.55, 0.5)),
-                                base.cwiseProduct(Vector2d(0.74, 0.42))));
-        faces.push_back(100);
-        continue;
-      }
-      const Vector2d head = base.cwiseProduct(Vector2d(0.8, 0.72));
-      bones.push_back(rayBone(RayBone::kPhalanx, a + joint, b - joint, dorsal, base,
-                              base.cwiseProduct(Vector2d(0.6, 0.5)), head));
-      faces.push_back(140);
-      half = head.cwiseProduct(Vector2d(1.08, 1.12));
+  const RayStyle style = {{1.02, 0.88}, {0.6, 0.5},  {0.8, 0.72},
+                          {1.08, 1.12}, {0.55, 0.5}, {0.74, 0.42}};
+  for (const Ray& ray : rays()) {
+    const std::vector<Solid> finger = rayBones(ray, style);
+    for (std::size_t k = 0; k < finger.size(); k++) {
+      bones.push_back(finger[k]);
+      faces.push_back(k == 0 ? 230 : k + 1 == finger.size() ? 100 : 140);
     }
   }
   // Sesamoid bones under the head of the thumb's metacarpal.

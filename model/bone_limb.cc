@@ -25,6 +25,12 @@ TriMesh boneSurface(const Blend& bone, double voxel, int max_faces, const Affine
   return transformed(surface(bone, voxel, max_faces, false, Finish::kRounded), X);
 }
 
+namespace {
+
+// Metapodial bone, phalanx, and phalanx at the end of its ray.
+enum class RayBone { kMetapodial, kPhalanx, kTerminal };
+
+// From the middle of its base to the tip of its head.
 Solid rayBone(RayBone kind, const Vector3d& base, const Vector3d& head, const Vector3d& dorsal,
               const Vector2d& base_half, const Vector2d& waist_half, const Vector2d& head_half) {
   // Modelled along z, dorsal towards x.
@@ -68,6 +74,35 @@ Solid rayBone(RayBone kind, const Vector3d& base, const Vector3d& head, const Ve
       break;
   }
   return moved(bone.solid(), X);
+}
+
+}  // namespace
+
+std::vector<Solid> rayBones(const Ray& ray, const RayStyle& style) {
+  std::vector<Solid> bones;
+  Vector2d half = ray.head;
+  const int last = static_cast<int>(ray.ends.size()) - 2;
+  for (int k = 0; k <= last; k++) {
+    const Vector3d &a = ray.ends[k], &b = ray.ends[k + 1];
+    const Vector3d joint = (b - a).normalized() * 0.6;  // cartilage
+    if (k == 0) {
+      bones.push_back(
+          rayBone(RayBone::kMetapodial, a, b - joint, ray.dorsal, ray.base, ray.waist, ray.head));
+      continue;
+    }
+    const Vector2d base = half.cwiseProduct(k == 1 ? style.first_base : Vector2d(1, 0.95));
+    if (k == last) {
+      bones.push_back(rayBone(RayBone::kTerminal, a + joint, b, ray.dorsal, base,
+                              base.cwiseProduct(style.last_waist),
+                              base.cwiseProduct(style.last_head)));
+      continue;
+    }
+    const Vector2d head = base.cwiseProduct(style.head);
+    bones.push_back(rayBone(RayBone::kPhalanx, a + joint, b - joint, ray.dorsal, base,
+                            base.cwiseProduct(style.waist), head));
+    half = head.cwiseProduct(style.joint);
+  }
+  return bones;
 }
 
 }  // namespace torso

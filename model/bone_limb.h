@@ -5,6 +5,7 @@
 // their segment at a reference length, and scaled to the landmarks.
 
 #include <Eigen/Geometry>
+#include <vector>
 
 #include "model/anatomy.h"
 #include "model/blend.h"
@@ -38,13 +39,22 @@ inline Section section(double x, double y, double z, double side, double up) {
 Solid humerusSolid();
 Solid femurSolid();
 
-// Metacarpal or metatarsal bone, phalanx, and phalanx at the end of its ray.
-enum class RayBone { kMetapodial, kPhalanx, kTerminal };
+// A finger or a toe with its metapodial (metacarpal or metatarsal) bone.
+struct Ray {
+  Eigen::Vector2d base, waist, head;  // of the metapodial: half width (across) and half depth
+  std::vector<Eigen::Vector3d> ends;  // its base, its head, then the ends of the phalanges
+  Eigen::Vector3d dorsal;             // need not be normal to the bones
+};
 
-// A bone of a finger or a toe, from the middle of its base to the tip of its head. `dorsal` need
-// not be normal to it. Half widths (across) and half depths (dorsal to palmar) of base and head.
-Solid rayBone(RayBone kind, const Eigen::Vector3d& base, const Eigen::Vector3d& head,
-              const Eigen::Vector3d& dorsal, const Eigen::Vector2d& base_half,
-              const Eigen::Vector2d& waist_half, const Eigen::Vector2d& head_half);
+// Proportions of phalanges, in width and depth.
+struct RayStyle {
+  Eigen::Vector2d first_base;             // of the first one, over the metapodial's head
+  Eigen::Vector2d waist, head;            // over the base
+  Eigen::Vector2d joint;                  // over the head: what the next base is made to fit
+  Eigen::Vector2d last_waist, last_head;  // over the base, at the end of the ray
+};
+
+// The bones from the metapodial to the last phalanx, each with room for cartilage at its joints.
+std::vector<Solid> rayBones(const Ray& ray, const RayStyle& style);
 
 }  // namespace torso

@@ -9,6 +9,7 @@
 #include "model/body.h"
 #include "model/csv.h"
 #include "model/loft.h"
+#include "model/mesh_repair.h"
 #include "model/tri_mesh.h"
 #include "model/vertebra_measure.h"
 
@@ -18,12 +19,6 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-
-AlignedBox3d boxOf(const TriMesh& mesh) {
-  AlignedBox3d box;
-  for (const Vector3d& p : mesh.vertices) box.extend(p);
-  return box;
-}
 
 // The largest distance between two of its vertices.
 double greatestLength(const TriMesh& mesh) {
@@ -108,7 +103,7 @@ class Measurer {
     const TriMesh& mesh = s_.bone("pelvis").mesh();
     const Isometry3d frame = a_.boneFrame("S1");
     superiorFacet("S1", MeshTree(transformed(mesh, frame.inverse())));
-    add("pelvis", "bi_iliac_breadth", boxOf(mesh).sizes().y());
+    add("pelvis", "bi_iliac_breadth", bounds(mesh).sizes().y());
     // The anterior superior iliac spines: what lies foremost above the hip joints.
     const double above = a_.landmark("hip_joint_centre").z() + 0.04 * a_.length_scale;
     Vector3d spine(-INFINITY, 0, 0);
@@ -117,7 +112,7 @@ class Measurer {
     }
     add("pelvis", "interspinous_distance", 2 * spine.y());
     for (const TriMesh& part : connectedParts(mesh)) {
-      const AlignedBox3d box = boxOf(part);
+      const AlignedBox3d box = bounds(part);
       if (box.min().y() > 0 || box.max().y() < 0) continue;
       // The sacrum, with or without the coccyx; not a small loose part of the mid-line.
       if (box.sizes().y() < 0.05 * a_.length_scale) continue;
@@ -127,7 +122,7 @@ class Measurer {
   }
 
   void ribCage() {
-    const AlignedBox3d box = boxOf(s_.bone("ribcage").mesh());
+    const AlignedBox3d box = bounds(s_.bone("ribcage").mesh());
     add("rib_cage", "width", box.sizes().y());
     add("rib_cage", "depth", box.sizes().x());
     add("rib_cage", "height", box.sizes().z());
@@ -135,7 +130,7 @@ class Measurer {
 
   void skull() {
     const TriMesh cranium = partsBySize(s_.bone("head").mesh()).front();
-    const AlignedBox3d box = boxOf(cranium);
+    const AlignedBox3d box = bounds(cranium);
     // The vault, without the face.
     AlignedBox3d vault;
     for (const Vector3d& p : cranium.vertices) {
@@ -174,7 +169,7 @@ class Measurer {
     // Height: between the superior and the inferior angle. Breadth: from the medial border to the
     // rim of the glenoid, across the height.
     const Vector3d *top = nullptr, *bottom = nullptr;
-    const double medial = boxOf(mesh).min().y() + 0.35 * boxOf(mesh).sizes().y();
+    const double medial = bounds(mesh).min().y() + 0.35 * bounds(mesh).sizes().y();
     for (const Vector3d& p : mesh.vertices) {
       if (p.y() > medial) continue;  // not the acromion and the coracoid process
       if (!top || p.z() > top->z()) top = &p;
@@ -195,7 +190,7 @@ class Measurer {
       std::vector<TriMesh> parts = partsBySize(s_.bone("left_lower_arm").mesh());
       if (parts.size() >= 2) {
         // The olecranon reaches above the radius' head.
-        if (boxOf(parts[0]).max().z() < boxOf(parts[1]).max().z()) std::swap(parts[0], parts[1]);
+        if (bounds(parts[0]).max().z() < bounds(parts[1]).max().z()) std::swap(parts[0], parts[1]);
         add("ulna", "length", greatestLength(parts[0]));
         add("radius", "length", greatestLength(parts[1]));
       }

@@ -19,7 +19,6 @@ struct VertebraPlan {
   double canal_end;             // x of the canal's back
   double canal_half;            // half its width
   Eigen::Vector3d pedicle_end;  // there begin the lamina and the articular processes
-  Eigen::Vector3d lamina;       // middle of the laminae's meeting place
   Eigen::Vector3d spinous_tip;
 
   // Facet faces as facetFrame gives them: z out of the face, y up along it. The inferior one lies

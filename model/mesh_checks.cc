@@ -7,6 +7,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "model/ray.h"
+
 namespace torso {
 namespace {
 
@@ -46,19 +48,12 @@ bool crosses(const Vector3d& p, const Vector3d& q, const Vector3d& a, const Vect
   return (u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0);
 }
 
-using Triangle = std::array<Vector3d, 3>;
-
 bool crossing(const Triangle& s, const Triangle& t) {
   for (int k = 0; k < 3; k++) {
     if (crosses(s[k], s[(k + 1) % 3], t[0], t[1], t[2])) return true;
     if (crosses(t[k], t[(k + 1) % 3], s[0], s[1], s[2])) return true;
   }
   return false;
-}
-
-Triangle corners(const TriMesh& mesh, int face) {
-  const auto& f = mesh.faces[face];
-  return {mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]};
 }
 
 // Slabs: does the ray meet the box before `limit`?
@@ -72,19 +67,6 @@ bool meets(const AlignedBox3d& box, const Vector3d& origin, const Vector3d& inve
     if (from > to) return false;
   }
   return true;
-}
-
-// Distance along a ray to the plane of a face if it passes the face, else a negative number; its
-// sign of passage: +1 out of the solid, -1 into it.
-double passage(const Triangle& t, const Vector3d& origin, const Vector3d& direction, int* sign) {
-  const Vector3d e1 = t[1] - t[0], e2 = t[2] - t[0], p = direction.cross(e2);
-  const double det = e1.dot(p);
-  if (det == 0) return -1;
-  const Vector3d s = origin - t[0], q = s.cross(e1);
-  const double u = s.dot(p) / det, v = direction.dot(q) / det;
-  if (!(u >= 0 && v >= 0 && u + v <= 1)) return -1;
-  if (sign) *sign = det < 0 ? 1 : -1;
-  return e2.dot(q) / det;
 }
 
 }  // namespace

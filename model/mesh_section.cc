@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "model/ray.h"
+
 namespace torso {
 namespace {
 
@@ -82,18 +84,8 @@ bool contains(const Outline& outline, const Vector2d& p) {
 
 double rayLength(const TriMesh& mesh, const Vector3d& origin, const Vector3d& direction) {
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& f : mesh.faces) {
-    const Vector3d &a = mesh.vertices[f[0]], &b = mesh.vertices[f[1]], &c = mesh.vertices[f[2]];
-    const Vector3d e1 = b - a, e2 = c - a, p = direction.cross(e2);
-    const double det = e1.dot(p);
-    if (det == 0) continue;
-    const Vector3d s = origin - a;
-    const double u = s.dot(p) / det;
-    if (u < 0 || u > 1) continue;
-    const Vector3d q = s.cross(e1);
-    const double v = direction.dot(q) / det;
-    if (v < 0 || u + v > 1) continue;
-    const double t = e2.dot(q) / det;
+  for (std::size_t face = 0; face < mesh.faces.size(); face++) {
+    const double t = passage(corners(mesh, static_cast<int>(face)), origin, direction, nullptr);
     if (t > 0) least = std::min(least, t);
   }
   return least;

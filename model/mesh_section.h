@@ -24,7 +24,7 @@ Eigen::Vector2d centroid(const Outline& outline);
 bool contains(const Outline& outline, const Eigen::Vector2d& point);
 
 // Distance from `origin` along the unit vector `direction` to the surface; infinity if it is not
-// met.
+// met. Looks at every face: for many rays, MeshTree::castRay.
 double rayLength(const TriMesh& mesh, const Eigen::Vector3d& origin,
                  const Eigen::Vector3d& direction);
 

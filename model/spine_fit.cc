@@ -5,6 +5,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "model/median.h"
+#include "model/pitch.h"
+
 namespace torso {
 namespace {
 
@@ -31,18 +34,6 @@ Ratios ratiosOf(const Vertebra& v, const VertebraLandmarks& l) {
           (l.body_height_anterior + l.body_height_posterior) /
               (v.body_height_anterior + v.body_height_posterior)};
 }
-
-Isometry3d pitched(const Vector3d& position, double pitch) {
-  Isometry3d X = Isometry3d::Identity();
-  X.translate(position);
-  X.rotate(AngleAxisd(pitch, Vector3d::UnitY()));
-  return X;
-}
-
-Vector3d upAt(double pitch) { return AngleAxisd(pitch, Vector3d::UnitY()) * Vector3d::UnitZ(); }
-
-// Pitch of a frame, seen from the side.
-double pitchOf(const Matrix3d& R) { return std::atan2(R(0, 2), R(2, 2)); }
 
 Landmark transformed(const Landmark& l, const Isometry3d& X) {
   return {X * l.centre, X.linear() * l.normal, l.width, l.height};
@@ -406,9 +397,7 @@ double spineScale(const Anatomy& anatomy, const SpineLandmarks& found) {
   for (const auto& [level, l] : found) {
     sizes.push_back(ratiosOf(anatomy.vertebra(level), l).mean());
   }
-  if (sizes.empty()) return 1;
-  std::nth_element(sizes.begin(), sizes.begin() + sizes.size() / 2, sizes.end());
-  return sizes[sizes.size() / 2];
+  return sizes.empty() ? 1 : median(sizes);
 }
 
 SpineFit fitSpine(const Anatomy& anatomy, const SpineLandmarks& found) {

@@ -140,12 +140,6 @@ class SymmetrySearch {
   Vector3d middle_ = Vector3d::Zero();
 };
 
-// How far the bone reaches to both sides of a point of the mid-plane y = 0.
-double breadth(const TriMesh& mesh, const Vector2d& zx) {
-  const Vector3d p(zx.y(), 0, zx.x());
-  return rayLength(mesh, p, Vector3d::UnitY()) + rayLength(mesh, p, -Vector3d::UnitY());
-}
-
 // z, x -> turned by the frame R about y.
 Isometry3d aboutY(const Vector3d& origin, const Vector3d& x, const Vector3d& z) {
   Isometry3d X = Isometry3d::Identity();
@@ -193,6 +187,10 @@ double upEvidence(const TriMesh& mesh, const MidSection& s) {
 
 }  // namespace
 
+double breadth(const TriMesh& bone, const Vector3d& point) {
+  return rayLength(bone, point, Vector3d::UnitY()) + rayLength(bone, point, -Vector3d::UnitY());
+}
+
 MidSection midSection(const TriMesh& mesh) {
   struct Piece {
     Outline outline;
@@ -202,7 +200,8 @@ MidSection midSection(const TriMesh& mesh) {
   for (const Outline& o : section(mesh, 1, 0)) {
     const double area = signedArea(o);
     if (area <= 0) continue;
-    const double b = breadth(mesh, centroid(o));
+    const Vector2d zx = centroid(o);
+    const double b = breadth(mesh, {zx.y(), 0, zx.x()});
     pieces.push_back({o, area * (std::isfinite(b) ? b : 0)});
   }
   // The two largest; the body is the bulkier.
@@ -302,7 +301,7 @@ VertebraPose vertebraPose(const TriMesh& mesh, const std::optional<Vector3d>& up
       double up = upEvidence(local, midSection(local));
       if (up_hint) up = 2 * up_hint->normalized().dot(X.linear().col(2));
       if (up < 0) X = X * Eigen::AngleAxisd(M_PI, Vector3d::UnitX());
-      return {X, std::min(1.0, std::abs(up)), plane.mismatch / size};
+      return {X, std::min(1.0, std::abs(up))};
     } catch (const std::runtime_error& e) {
       reason = e.what();
     }

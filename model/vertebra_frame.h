@@ -15,7 +15,6 @@ struct VertebraPose {
   Eigen::Isometry3d frame;  // from the vertebra's axes (x forward, y left, z up; origin at the
                             // centre of the body) to the mesh's
   double up_certainty;      // 0 doubtful to 1 sure: which end is up
-  double asymmetry;         // mean distance between the surface and its mirror image, of its size
 };
 
 // mesh: closed, faces outwards, whole vertebra, in any unit, place and turn. The mid-plane is the
@@ -32,6 +31,10 @@ struct MidSection {
   Outline body, arch;
 };
 MidSection midSection(const TriMesh& mesh);
+
+// Between the surfaces that are met from a point to the left and to the right (along y) [m];
+// infinity if there are not both.
+double breadth(const TriMesh& bone, const Eigen::Vector3d& point);
 
 // Straight edge of an endplate in the mid-plane: z = at + slope * x, from x = back to x = front.
 struct EndplateLine {

@@ -121,8 +121,7 @@ class Finder {
       double width = std::numeric_limits<double>::infinity();
       for (double z = -0.4 * height_; z <= 0.5 * height_; z += 0.05 * height_) {
         const Vector3d p(back_ - share * out_.canal_depth, 0, z);
-        width = std::min(width, rayLength(mesh_, p, Vector3d::UnitY()) +
-                                    rayLength(mesh_, p, -Vector3d::UnitY()));
+        width = std::min(width, breadth(mesh_, p));
       }
       // Closest where the pedicle is, widest half way back.
       if (std::isfinite(width) && !(out_.canal_width > width)) out_.canal_width = width;

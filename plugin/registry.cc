@@ -9,6 +9,7 @@
 #include <mutex>
 #include <random>
 
+#include "model/fnv1a.h"
 #include "plugin/note.h"
 
 namespace torso::plugin {
@@ -61,18 +62,14 @@ mjtNum loadNote(const mjModel* m, int numeric) {
 
 // Everything an Instance is made from.
 std::uint64_t contentHash(const mjModel* m) {
-  std::uint64_t hash = 14695981039346656037ull;  // FNV-1a
-  const auto add = [&hash](const void* data, std::size_t size) {
-    const auto* bytes = static_cast<const unsigned char*>(data);
-    for (std::size_t i = 0; i < size; i++) hash = (hash ^ bytes[i]) * 1099511628211ull;
-  };
-  const auto addInts = [&](const int* data, int n) { add(data, sizeof(int) * n); };
-  const auto addNums = [&](const mjtNum* data, int n) { add(data, sizeof(mjtNum) * n); };
+  Fnv1a hash;
+  const auto addInts = [&](const int* data, int n) { hash.add(data, sizeof(int) * n); };
+  const auto addNums = [&](const mjtNum* data, int n) { hash.add(data, sizeof(mjtNum) * n); };
   const int sizes[] = {m->nbody,   m->ngeom,  m->nsite, m->neq,      m->ntendon,   m->nu,
                        m->nsensor, m->ntuple, m->ntext, m->nnumeric, m->nuserdata, m->nuser_sensor};
   addInts(sizes, sizeof sizes / sizeof sizes[0]);
-  add(m->names, m->nnames);
-  add(m->text_data, m->ntextdata);
+  hash.add(m->names, m->nnames);
+  hash.add(m->text_data, m->ntextdata);
   const int note = noteNumeric(m);
   const int note_adr = note < 0 ? -1 : m->numeric_adr[note] + 1;
   for (int i = 0; i < m->nnumericdata; i++) {
@@ -98,7 +95,7 @@ std::uint64_t contentHash(const mjModel* m) {
   addInts(m->sensor_objid, m->nsensor);
   addInts(m->sensor_dim, m->nsensor);
   addNums(m->sensor_user, m->nuser_sensor * m->nsensor);
-  return hash;
+  return hash.value();
 }
 
 const Entry* addEntry(const mjModel* m, int numeric) {

@@ -12,6 +12,7 @@
 #include "model/body.h"
 #include "model/bone_mesh.h"
 #include "model/bone_registration.h"
+#include "model/median.h"
 #include "model/mesh_repair.h"
 #include "model/spine_fit.h"
 #include "tools/bone_pieces.h"
@@ -31,11 +32,6 @@ struct Unit {
   double metres;
 };
 constexpr Unit kUnits[] = {{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}};
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
 
 class Importer {
  public:

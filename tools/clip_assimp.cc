@@ -13,6 +13,7 @@
 #include <map>
 #include <set>
 
+#include "model/median.h"
 #include "tools/clip_formats.h"
 #include "tools/error.h"
 
@@ -270,8 +271,7 @@ class SceneReader {
         std::vector<double> own;
         for (unsigned k = 1; k < count; k++) own.push_back(keys[k].mTime - keys[k - 1].mTime);
         if (own.empty()) return;
-        std::nth_element(own.begin(), own.begin() + own.size() / 2, own.end());
-        const double step = own[own.size() / 2];
+        const double step = median(own);
         if (step > 0 && step < 1e9) steps[std::lround(1e3 * step)] += own.size();
       };
       visit(channel.mPositionKeys, channel.mNumPositionKeys);

@@ -141,12 +141,7 @@ void ablate(const Options& options) {
   }
   if (options.plot_folder.empty()) return;
   writeAblationPlots(options.plot_folder, anatomy, report);
-  if (!runGnuplot(options.plot_folder, "ablation.gp")) {
-    std::cerr << fmt::format(
-        "torso ablate: {}: holds the tables and ablation.gp but no picture, as there is no gnuplot "
-        "on this machine (Debian: apt install gnuplot-nox)\n",
-        options.plot_folder);
-  }
+  runGnuplot("ablate", options.plot_folder, "ablation.gp");
 }
 
 }  // namespace

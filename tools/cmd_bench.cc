@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "model/median.h"
 #include "tools/build_models.h"
 #include "tools/commands.h"
 #include "tools/error.h"
@@ -64,14 +65,6 @@ double measure(const Subject& subject, mjData* d, double seconds, std::uint64_t 
 double wallSeconds() {
   using std::chrono::steady_clock;
   return std::chrono::duration<double>(steady_clock::now().time_since_epoch()).count();
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2) return *middle;
-  return (*middle + *std::max_element(values.begin(), middle)) / 2;
 }
 
 // What the viewer's user waits for: the file, and a frame of its window.

@@ -220,12 +220,7 @@ void discs(const Options& options) {
   }
   if (options.plot_folder.empty()) return;
   writeDiscPlots(options.plot_folder, anatomy, reports);
-  if (!runGnuplot(options.plot_folder, "discs.gp")) {
-    std::cerr << fmt::format(
-        "torso discs: {}: holds the curves and discs.gp but no pictures, as there is no gnuplot on "
-        "this machine (Debian: apt install gnuplot-nox)\n",
-        options.plot_folder);
-  }
+  runGnuplot("discs", options.plot_folder, "discs.gp");
 }
 
 }  // namespace

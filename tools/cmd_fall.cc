@@ -46,29 +46,28 @@ Json meanJson(const std::vector<double>& values) {
 }
 
 Json describe(const FallenModel& model) {
-  const auto all = [&](const auto& value) {
-    std::vector<double> values;
-    for (const Fall& fall : model.falls) values.push_back(value(fall, peaksOf(fall)));
-    return meanJson(values);
-  };
   int heads = 0;
   for (const Fall& fall : model.falls) heads += fall.head_touch >= 0;
-  using P = const FallPeaks&;
-  const auto part = [&](auto force, auto head, auto clip, auto hic) -> Json {
-    return {{"floor_force_n", all([&](const Fall&, P p) { return p.*force; })},
-            {"floor_force_bw", all([&](const Fall& f, P p) { return p.*force / f.weight; })},
-            {"head_acceleration_g", all([&](const Fall&, P p) { return p.*head; })},
-            {"head_3ms_g", all([&](const Fall&, P p) { return p.*clip; })},
-            {"hic15", all([&](const Fall&, P p) { return p.*hic; })}};
+  const auto part = [&](FallPeaks (*peaks)(const Fall&)) -> Json {
+    const auto all = [&](double FallPeaks::*peak, bool in_weights = false) {
+      std::vector<double> values;
+      for (const Fall& fall : model.falls) {
+        values.push_back(peaks(fall).*peak / (in_weights ? fall.weight : 1));
+      }
+      return meanJson(values);
+    };
+    return {{"floor_force_n", all(&FallPeaks::force)},
+            {"floor_force_bw", all(&FallPeaks::force, true)},
+            {"head_acceleration_g", all(&FallPeaks::head)},
+            {"head_3ms_g", all(&FallPeaks::head_3ms)},
+            {"hic15", all(&FallPeaks::hic15)}};
   };
-  return {
-      {"torso", model.name},
-      {"model", model.path},
-      {"weight_n", model.falls[0].weight},
-      {"landing", part(&FallPeaks::landing_force, &FallPeaks::landing_head,
-                       &FallPeaks::landing_head_3ms, &FallPeaks::landing_hic15)},
-      {"fall", part(&FallPeaks::force, &FallPeaks::head, &FallPeaks::head_3ms, &FallPeaks::hic15)},
-      {"heads_on_floor", heads}};
+  return {{"torso", model.name},
+          {"model", model.path},
+          {"weight_n", model.falls[0].weight},
+          {"landing", part(landingPeaksOf)},
+          {"fall", part(peaksOf)},
+          {"heads_on_floor", heads}};
 }
 
 std::vector<FallenModel> simulateAll(const Options& options) {

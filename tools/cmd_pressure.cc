@@ -112,10 +112,7 @@ void pressure(const Options& options) {
   }
   if (!options.plot.empty()) {
     writePressurePlot(options.plot, kMeasuredDisc, results);
-    if (!runGnuplot(options.plot, "pressure.gp")) {
-      fmt::print(stderr, "torso pressure: {}: no bars, as there is no gnuplot on this machine\n",
-                 options.plot);
-    }
+    runGnuplot("pressure", options.plot, "pressure.gp");
   }
   if (options.json) {
     std::cout << describe(results).dump(2) << '\n';

@@ -223,9 +223,7 @@ void printKinematics(const Anatomy& anatomy, const Report& report) {
       int levels = 0, same_side = 0;
       double sum = 0;
       for (const Kinematics& k : all) {
-        const auto disc = std::find_if(anatomy.discs.begin(), anatomy.discs.end(),
-                                       [&](const Disc& d) { return d.name == k.disc; });
-        if (disc->region != region || k.quantity != quantity) continue;
+        if (anatomy.disc(k.disc).region != region || k.quantity != quantity) continue;
         levels++;
         same_side += k.ours > 0;
         sum += k.ours;
@@ -288,13 +286,7 @@ void rom(const Options& options) {
   }
   if (options.plot_folder.empty()) return;
   writeRomPlots(options.plot_folder, anatomy, report.rom);
-  if (!runGnuplot(options.plot_folder, "rom.gp")) {
-    std::cerr << fmt::format(
-        "torso rom: {}: holds the curves and rom.gp but no pictures, as there is no gnuplot on "
-        "this "
-        "machine (Debian: apt install gnuplot-nox)\n",
-        options.plot_folder);
-  }
+  runGnuplot("rom", options.plot_folder, "rom.gp");
 }
 
 }  // namespace

@@ -58,12 +58,6 @@ std::vector<RegionRow> regionRows(const WholeSpineReport& report,
   return rows;
 }
 
-double ofLevel(const LevelSpread& s, Motion motion) {
-  return motion == kFlexionExtension ? s.flexion_extension
-         : motion == kLateralBending ? s.lateral_bending
-                                     : s.axial_rotation;
-}
-
 void print(const Anatomy& anatomy, const WholeSpineReport& report,
            const std::vector<RegionRow>& rows) {
   fmt::print(
@@ -77,9 +71,8 @@ void print(const Anatomy& anatomy, const WholeSpineReport& report,
     for (const Motion motion : kMotions) {
       const MotionRange& range = anatomy.range_of_motion.at(disc)[motion];
       const std::string mixed =
-          report.spread.empty()
-              ? ""
-              : fmt::format(" ({:.1f})", ofLevel(report.spread[i], motion) / kDegree);
+          report.spread.empty() ? ""
+                                : fmt::format(" ({:.1f})", report.spread[i].of(motion) / kDegree);
       fmt::print("{:>32}",
                  fmt::format("{:.1f}{}  {:.1f} {:.1f}-{:.1f}",
                              regionMotion(report.voluntary, i, i, motion) / kDegree, mixed,
@@ -124,7 +117,7 @@ Json describe(const Anatomy& anatomy, const WholeSpineReport& report,
     }
     for (const Motion motion : kMotions) {
       if (report.spread.empty()) break;
-      level[motionName(motion) + "_mixed_deg"] = ofLevel(report.spread[i], motion) / kDegree;
+      level[motionName(motion) + "_mixed_deg"] = report.spread[i].of(motion) / kDegree;
     }
     levels.push_back(level);
   }
@@ -162,7 +155,7 @@ void writePlots(const std::string& folder, const Anatomy& anatomy, const WholeSp
       const int level = static_cast<int>(i);
       const double ours = report.spread.empty()
                               ? regionMotion(report.voluntary, level, level, motion)
-                              : ofLevel(report.spread[i], motion);
+                              : report.spread[i].of(motion);
       levels += fmt::format(",{:.3f},{:.3f},{:.3f},{:.3f}", ours / kDegree, range.mean / kDegree,
                             range.low / kDegree, range.high / kDegree);
     }
@@ -184,14 +177,10 @@ void writePlots(const std::string& folder, const Anatomy& anatomy, const WholeSp
       "right\n";
   int column = 2;
   for (const Motion motion : kMotions) {
-    script += fmt::format(
-        "set title '{0}{5}' noenhanced\nplot 'whole_spine.csv' skip 1 using 0:{3}:{4} with "
-        "filledcurves lc "
-        "rgb '#d62728' title 'published range', '' skip 1 using 0:{2}:xtic(1) with linespoints lw "
-        "2 pt 5 ps 0.8 lc rgb '#d62728' title 'published mean', '' skip 1 using 0:{1} with "
-        "linespoints lw 2.5 pt 7 lc rgb '#1f4e9c' title 'ours'\n",
-        motionName(motion), column, column + 1, column + 2, column + 3,
-        motion == kFlexionExtension ? "" : ", one side");
+    script += fmt::format("set title '{}{}' noenhanced\n{}\n", motionName(motion),
+                          motion == kFlexionExtension ? "" : ", one side",
+                          plotLevels({"whole_spine.csv", column, column + 1, column + 2, column + 3,
+                                      "ours", "published"}));
     column += 4;
   }
   script +=
@@ -226,12 +215,7 @@ void romWhole(bool json, const std::string& plot_folder, int mixtures) {
   }
   if (plot_folder.empty()) return;
   writePlots(plot_folder, anatomy, report, rows);
-  if (!runGnuplot(plot_folder, "whole_spine.gp")) {
-    std::cerr << fmt::format(
-        "torso rom: {}: holds the tables and whole_spine.gp but no picture, as there is no gnuplot "
-        "on this machine (Debian: apt install gnuplot-nox)\n",
-        plot_folder);
-  }
+  runGnuplot("rom", plot_folder, "whole_spine.gp");
 }
 
 }  // namespace torso::tools

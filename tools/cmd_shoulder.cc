@@ -143,12 +143,7 @@ void shoulder(const Options& options) {
   }
   if (options.plot_folder.empty()) return;
   writeShoulderPlots(options.plot_folder, report, published);
-  if (!runGnuplot(options.plot_folder, "shoulder.gp")) {
-    std::cerr << fmt::format(
-        "torso shoulder: {}: holds the curves and shoulder.gp but no picture, as there is no "
-        "gnuplot on this machine (Debian: apt install gnuplot-nox)\n",
-        options.plot_folder);
-  }
+  runGnuplot("shoulder", options.plot_folder, "shoulder.gp");
 }
 
 }  // namespace

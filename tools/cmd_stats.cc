@@ -149,13 +149,7 @@ void run(Options options) {
   }
   if (!options.plot_folder.empty()) {
     writeMotionPlots(options.plot_folder, anatomy, statistics);
-    if (!runGnuplot(options.plot_folder, "stats.gp")) {
-      std::cerr << fmt::format(
-          "torso stats: {}: holds the tables and stats.gp but no picture, as there is no gnuplot "
-          "on "
-          "this machine (Debian: apt install gnuplot-nox)\n",
-          options.plot_folder);
-    }
+    runGnuplot("stats", options.plot_folder, "stats.gp");
   }
   if (!statistics.errors.empty()) {
     throw Error(fmt::format("{} failed, {} went through", statistics.errors.size(),

@@ -2,6 +2,7 @@
 #include "tools/collision_shapes.h"
 
 #include <cmath>
+#include <stdexcept>
 
 #include "model/body.h"
 #include "model/body_warp.h"
@@ -100,14 +101,16 @@ Shapes leftOrMiddle(const Anatomy& a, const std::string& name) {
   if (name == "hand") return {between(a, "wrist", "hand_tip", 0.15, 0.88, 0.022)};
   if (name == "thigh") return {between(a, "hip_joint_centre", "knee", 0.12, 0.95, 0.066)};
   if (name == "shin") return {between(a, "knee", "ankle", 0.03, 0.95, 0.048)};
-  // Foot: two capsules along its borders whose undersides are the sole.
-  const Vector3d heel = at("heel"), toe = at("toe_tip");
-  const double radius = 0.024, z = at("sole").z() + radius;
-  return {capsule("limb", {heel.x() + radius, heel.y() - 0.010, z},
-                  {toe.x() - radius, toe.y() - 0.025, z}, radius),
-          capsule("limb", {heel.x() + radius, heel.y() + 0.010, z},
-                  {toe.x() - 0.05, toe.y() + 0.018, z}, radius),
-          capsule("limb", {heel.x() + 0.03, heel.y(), z + 0.01}, at("ankle"), 0.028)};
+  if (name == "foot") {  // two capsules along its borders whose undersides are the sole
+    const Vector3d heel = at("heel"), toe = at("toe_tip");
+    const double radius = 0.024, z = at("sole").z() + radius;
+    return {capsule("limb", {heel.x() + radius, heel.y() - 0.010, z},
+                    {toe.x() - radius, toe.y() - 0.025, z}, radius),
+            capsule("limb", {heel.x() + radius, heel.y() + 0.010, z},
+                    {toe.x() - 0.05, toe.y() + 0.018, z}, radius),
+            capsule("limb", {heel.x() + 0.03, heel.y(), z + 0.01}, at("ankle"), 0.028)};
+  }
+  throw std::logic_error("no collision shapes are known of the body '" + name + "'");
 }
 
 }  // namespace

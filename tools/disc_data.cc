@@ -3,6 +3,7 @@
 
 #include "plugin/mujoco_torso.h"
 #include "tools/error.h"
+#include "tools/mujoco_eigen.h"
 
 namespace torso::tools {
 namespace {
@@ -39,7 +40,7 @@ std::vector<DiscData> discData(const mjModel* m, const mjData* d) {
     check(torso_discCells(m, i, disc.cells.data()));
     // Symmetric, so that the order of the entries does not matter.
     check(torso_discStress(m, d, i, disc.stress[0].data(), disc.fibre_stretch[0].data()));
-    disc.axes = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(axes);
+    disc.axes = matrix3(axes);
   }
   return discs;
 }

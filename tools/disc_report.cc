@@ -92,14 +92,8 @@ DiscUnits discUnits(Quantity quantity) {
 }
 
 std::vector<Disc> chooseDiscs(const Anatomy& anatomy, const std::string& level) {
-  std::vector<Disc> chosen;
-  std::string names;
-  for (const Disc& disc : anatomy.discs) {
-    if (level.empty() || disc.name == level) chosen.push_back(disc);
-    names += (names.empty() ? "" : ", ") + disc.name;
-  }
-  if (chosen.empty()) throw Error(fmt::format("{}: no such disc; there are {}", level, names));
-  return chosen;
+  if (level.empty()) return anatomy.discs;
+  return {anatomy.disc(level)};
 }
 
 std::vector<DiscReport> benchDiscs(const Anatomy& anatomy, const Skeleton& skeleton,

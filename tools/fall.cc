@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tools/control_option.h"
 #include "tools/error.h"
@@ -62,6 +63,19 @@ class Recorder {
   Vector3d velocity_ = Vector3d::Zero();
 };
 
+// Of the first samples, at most `count`.
+FallPeaks peaks(const Fall& fall, std::size_t count) {
+  const auto largest = [](const std::vector<double>& values) {
+    return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+  };
+  std::vector<double> force, head = fall.head_acceleration;
+  for (const Vector3d& f : fall.floor_force) force.push_back(f.norm());
+  force.resize(std::min(force.size(), count));
+  head.resize(std::min(head.size(), count));
+  return {largest(force), largest(head), exceededFor(head, fall.interval),
+          headInjuryCriterion(head, fall.interval).hic};
+}
+
 }  // namespace
 
 Fall fall(const mjModel* model, const std::string& path, const FallOptions& options,
@@ -106,26 +120,11 @@ Fall fall(const mjModel* model, const std::string& path, const FallOptions& opti
   return result;
 }
 
-FallPeaks peaksOf(const Fall& fall) {
-  FallPeaks peaks;
-  const auto largest = [](const std::vector<double>& values) {
-    return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
-  };
-  std::vector<double> force, head = fall.head_acceleration;
-  for (const Vector3d& f : fall.floor_force) force.push_back(f.norm());
-  peaks.force = largest(force);
-  peaks.head = largest(head);
-  peaks.head_3ms = exceededFor(head, fall.interval);
-  peaks.hic15 = headInjuryCriterion(head, fall.interval).hic;
-  if (fall.touch < 0) return peaks;
-  const auto end = static_cast<std::size_t>((fall.touch + kLanding) / fall.interval);
-  force.resize(std::min(force.size(), end));
-  head.resize(std::min(head.size(), end));
-  peaks.landing_force = largest(force);
-  peaks.landing_head = largest(head);
-  peaks.landing_head_3ms = exceededFor(head, fall.interval);
-  peaks.landing_hic15 = headInjuryCriterion(head, fall.interval).hic;
-  return peaks;
+FallPeaks peaksOf(const Fall& fall) { return peaks(fall, std::numeric_limits<std::size_t>::max()); }
+
+FallPeaks landingPeaksOf(const Fall& fall) {
+  if (fall.touch < 0) return {};
+  return peaks(fall, static_cast<std::size_t>((fall.touch + kLanding) / fall.interval));
 }
 
 }  // namespace torso::tools

@@ -42,14 +42,14 @@ Fall fall(const mjModel* model, const std::string& path, const FallOptions& opti
 
 constexpr double kLanding = 0.1;  // the first touch and what follows at once [s]
 
-// "landing": within kLanding of the first touch; the rest in all the fall.
 struct FallPeaks {
-  double landing_force = 0, force = 0;        // of the floor [N]
-  double landing_head = 0, head = 0;          // acceleration of the head [g]
-  double landing_head_3ms = 0, head_3ms = 0;  // exceeded for 3 ms in sum [g]
-  double landing_hic15 = 0, hic15 = 0;
+  double force = 0;     // of the floor [N]
+  double head = 0;      // acceleration of the head [g]
+  double head_3ms = 0;  // exceeded for 3 ms in sum [g]
+  double hic15 = 0;
 };
 
-FallPeaks peaksOf(const Fall& fall);
+FallPeaks peaksOf(const Fall& fall);         // in all the fall
+FallPeaks landingPeaksOf(const Fall& fall);  // within kLanding of the first touch, 0 if none
 
 }  // namespace torso::tools

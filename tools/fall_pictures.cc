@@ -92,7 +92,7 @@ void writeFallPlot(const std::string& folder, const std::vector<FallenModel>& mo
     }
   }
   writeFile(folder + "/fall.gp", script + "unset multiplot\n");
-  runGnuplot(folder, "fall.gp");
+  runGnuplot("fall", folder, "fall.gp");
 }
 
 }  // namespace torso::tools

@@ -12,7 +12,7 @@
 
 namespace torso::tools {
 
-bool runGnuplot(const std::string& folder, const std::string& script) {
+void runGnuplot(const std::string& command, const std::string& folder, const std::string& script) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
@@ -22,12 +22,27 @@ bool runGnuplot(const std::string& folder, const std::string& script) {
   pid_t child = 0;
   const int failure = posix_spawnp(&child, program, &actions, nullptr, arguments, environ);
   posix_spawn_file_actions_destroy(&actions);
-  if (failure == ENOENT) return false;
+  if (failure == ENOENT) {
+    fmt::print(
+        stderr,
+        "torso {}: {}: holds the tables and {} but no picture, as there is no gnuplot on this "
+        "machine (Debian: apt install gnuplot-nox)\n",
+        command, folder, script);
+    return;
+  }
   int status = 0;
   if (failure || waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status)) {
     throw Error(fmt::format("{}/{}: gnuplot failed", folder, script));
   }
-  return true;
+}
+
+std::string plotLevels(const LevelPanel& p) {
+  return fmt::format(
+      "plot '{}' skip 1 using 0:{}:{} with filledcurves lc rgb '#d62728' title '{} range', \\\n"
+      "  '' skip 1 using 0:{}:xtic(1) with linespoints lw 2 pt 5 ps 0.8 lc rgb '#d62728' title "
+      "'{} mean', \\\n"
+      "  '' skip 1 using 0:{} with linespoints lw 2.5 pt 7 ps 1.1 lc rgb '#1f4e9c' title '{}'",
+      p.table, p.low, p.high, p.human_title, p.mean, p.human_title, p.ours, p.our_title);
 }
 
 }  // namespace torso::tools

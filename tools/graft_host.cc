@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "tools/error.h"
+#include "tools/mujoco_eigen.h"
 
 namespace torso::tools {
 namespace {
@@ -18,8 +19,6 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using tinyxml2::XMLElement;
-
-Vector3d vector3(const mjtNum* x) { return {x[0], x[1], x[2]}; }
 
 void parse(tinyxml2::XMLDocument& document, const std::string& path) {
   if (document.LoadFile(path.c_str()) != tinyxml2::XML_SUCCESS || !document.RootElement()) {

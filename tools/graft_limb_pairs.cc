@@ -5,13 +5,12 @@
 #include <cmath>
 
 #include "tools/error.h"
+#include "tools/mujoco_eigen.h"
 
 namespace torso::tools {
 namespace {
 
 using Eigen::Vector3d;
-
-Vector3d vector3(const mjtNum* x) { return {x[0], x[1], x[2]}; }
 
 constexpr const char* kMapLimbs =
     "; name 'left_thigh', 'right_thigh', 'left_upper_arm' and 'right_upper_arm' in a --map";

@@ -10,13 +10,12 @@
 #include "tools/error.h"
 #include "tools/graft_host.h"
 #include "tools/graft_limb_pairs.h"
+#include "tools/mujoco_eigen.h"
 
 namespace torso::tools {
 namespace {
 
 using Eigen::Vector3d;
-
-Vector3d vector3(const mjtNum* x) { return {x[0], x[1], x[2]}; }
 
 // Parts of the trunk as the map calls them.
 const std::pair<const char*, TrunkPart> kTrunkParts[] = {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "tools/files.h"
+#include "tools/gnuplot.h"
 #include "tools/motion_statistics.h"
 
 namespace torso::tools {
@@ -11,12 +12,6 @@ constexpr double kDegree = EIGEN_PI / 180;
 constexpr Motion kPanels[] = {kFlexionExtension, kLateralBending, kAxialRotation};
 constexpr const char* kTitles[] = {"Flexion and extension", "Lateral bending to one side",
                                    "Axial rotation to one side"};
-
-double angleOf(const LevelSpread& spread, Motion motion) {
-  return motion == kFlexionExtension ? spread.flexion_extension
-         : motion == kLateralBending ? spread.lateral_bending
-                                     : spread.axial_rotation;
-}
 
 // Per level ours, then ours without ligaments, and the humans' mean, least and largest; for each
 // panel.
@@ -35,8 +30,8 @@ std::string romTable(const Anatomy& anatomy, const MotionStatistics& statistics)
       const MotionRange& human = anatomy.range_of_motion.at(name)[motion];
       const auto& others = statistics.without_ligaments.spread;
       text += fmt::format(
-          ",{:.3f},{},{:.3f},{:.3f},{:.3f}", angleOf(statistics.whole.spread[i], motion) / kDegree,
-          others.empty() ? "" : fmt::format("{:.3f}", angleOf(others[i], motion) / kDegree),
+          ",{:.3f},{},{:.3f},{:.3f},{:.3f}", statistics.whole.spread[i].of(motion) / kDegree,
+          others.empty() ? "" : fmt::format("{:.3f}", others[i].of(motion) / kDegree),
           human.mean / kDegree, human.low / kDegree, human.high / kDegree);
     }
   }
@@ -100,13 +95,10 @@ std::string script(const MotionStatistics& statistics) {
   for (const char* title : kTitles) {
     text += fmt::format(
         "set title '{}'\nset ylabel 'angle [deg]'\nset yrange [0:*]\n"
-        "plot 'rom.csv' skip 1 using 0:{}:{} with filledcurves lc rgb '#d62728' title 'human, "
-        "least to largest of publications', \\\n"
-        "  '' skip 1 using 0:{}:xtic(1) with linespoints lw 2 pt 5 ps 0.8 lc rgb '#d62728' title "
-        "'human mean', \\\n"
-        "  '' skip 1 using 0:{} with linespoints lw 2.5 pt 7 ps 1.1 lc rgb '#1f4e9c' title "
-        "'retrofitted motions'{}\n",
-        title, column + 3, column + 4, column + 2, column,
+        "{}{}\n",
+        title,
+        plotLevels({"rom.csv", column, column + 2, column + 3, column + 4, "retrofitted motions",
+                    "human"}),
         others ? fmt::format(", \\\n  '' skip 1 using 0:{} with lines dt 2 lw 1.5 lc rgb '#d98c3f' "
                              "title 'the same without ligaments'",
                              column + 1)

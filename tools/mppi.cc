@@ -5,18 +5,13 @@
 #include <cmath>
 #include <cstring>
 
+#include "model/median.h"
 #include "tools/random.h"
 
 namespace torso::tools {
 namespace {
 
 using Vector = std::vector<double>;
-
-double median(Vector values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::uint64_t hashOf(const Vector& values) {
   std::uint64_t h = 0;

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "model/limb_lengths.h"
+#include "model/median.h"
 #include "tools/error.h"
 #include "tools/graft_host.h"
 #include "tools/role_tree.h"
@@ -130,8 +131,7 @@ double segmentLength(const RoleTree& tree, const std::array<int, 2>& from,
     for (size_t f : tree.sample) {
       lengths.push_back((tree.position(f, to[k]) - tree.position(f, from[k])).norm());
     }
-    std::nth_element(lengths.begin(), lengths.begin() + lengths.size() / 2, lengths.end());
-    sum += lengths[lengths.size() / 2];
+    sum += median(lengths);
   }
   return sum / 2;
 }

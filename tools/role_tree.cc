@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "model/median.h"
 #include "tools/role_names.h"
 
 namespace torso::tools {
@@ -27,8 +28,7 @@ RoleTree::RoleTree(const Clip& c) : clip(c) {
     for (size_t f : sample) {
       lengths.push_back((position(f, static_cast<int>(j)) - position(f, parent)).norm());
     }
-    std::nth_element(lengths.begin(), lengths.begin() + lengths.size() / 2, lengths.end());
-    length[j] = lengths[lengths.size() / 2];
+    length[j] = median(lengths);
   }
   for (size_t j = joints; j-- > 0;) {
     if (clip.joints[j].parent >= 0) size[clip.joints[j].parent] += size[j];

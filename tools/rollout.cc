@@ -13,6 +13,7 @@
 #include <thread>
 #include <utility>
 
+#include "model/fnv1a.h"
 #include "tools/clock.h"
 #include "tools/mujoco_support.h"
 #include "tools/random.h"
@@ -22,20 +23,13 @@ namespace {
 
 constexpr double kControlInterval = 0.1;  // [s]
 
-void hash(std::uint64_t& h, const void* data, std::size_t size) {
-  const auto* bytes = static_cast<const unsigned char*>(data);
-  for (std::size_t i = 0; i < size; i++) h = (h ^ bytes[i]) * 0x100000001b3;
-}
-
-constexpr std::uint64_t kHashStart = 0xcbf29ce484222325;
-
 std::uint64_t stateHash(const mjModel* m, const mjData* d) {
-  std::uint64_t h = kHashStart;
-  hash(h, d->qpos, m->nq * sizeof(mjtNum));
-  hash(h, d->qvel, m->nv * sizeof(mjtNum));
-  hash(h, d->act, m->na * sizeof(mjtNum));
-  hash(h, d->userdata, m->nuserdata * sizeof(mjtNum));
-  return h;
+  Fnv1a hash;
+  hash.add(d->qpos, m->nq * sizeof(mjtNum));
+  hash.add(d->qvel, m->nv * sizeof(mjtNum));
+  hash.add(d->act, m->na * sizeof(mjtNum));
+  hash.add(d->userdata, m->nuserdata * sizeof(mjtNum));
+  return hash.value();
 }
 
 bool isFinite(const mjModel* m, const mjData* d) {
@@ -427,7 +421,7 @@ RolloutSummary summarise(const mjModel* m, std::vector<RunResult> runs,
   RolloutSummary summary;
   summary.violations = violations;
   summary.has_floor = findFloor(m) >= 0;
-  summary.state_hash = kHashStart;
+  Fnv1a hash;
   std::int64_t steps = 0, constraints = 0, on_floor = 0;
   for (const RunResult& run : runs) {
     summary.failed += !run.failure.empty();
@@ -436,9 +430,10 @@ RolloutSummary summarise(const mjModel* m, std::vector<RunResult> runs,
     steps += run.steps;
     constraints += run.constraints;
     on_floor += run.on_floor;
-    hash(summary.state_hash, &run.state_hash, sizeof(run.state_hash));
+    hash.add(&run.state_hash, sizeof(run.state_hash));
     merge(summary.extremes, run.extremes);
   }
+  summary.state_hash = hash.value();
   summary.simulated_seconds = steps * m->opt.timestep;
   if (steps > 0) summary.mean_constraints = static_cast<double>(constraints) / steps;
   if (!runs.empty()) summary.on_floor = static_cast<double>(on_floor) / runs.size();

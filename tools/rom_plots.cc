@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/files.h"
+#include "tools/gnuplot.h"
 
 namespace torso::tools {
 namespace {
@@ -48,14 +49,8 @@ std::string levelFigure() {
   int column = 2;
   for (const Motion motion : kPanels) {
     text += fmt::format(
-        "set title '{0}'\nset ylabel 'angle [deg]'\nset yrange [0:*]\n"
-        "plot 'rom.csv' skip 1 using 0:{3}:{4} with filledcurves lc rgb '#d62728' title 'human "
-        "range', \\\n"
-        "  '' skip 1 using 0:{2}:xtic(1) with linespoints lw 2 pt 5 ps 0.8 lc rgb '#d62728' title "
-        "'human mean', \\\n"
-        "  '' skip 1 using 0:{1} with linespoints lw 2.5 pt 7 ps 1.1 lc rgb '#1f4e9c' title "
-        "'ours'\n",
-        title(motion), column, column + 1, column + 2, column + 3);
+        "set title '{}'\nset ylabel 'angle [deg]'\nset yrange [0:*]\n{}\n", title(motion),
+        plotLevels({"rom.csv", column, column + 1, column + 2, column + 3, "ours", "human"}));
     column += 4;
   }
   return text + "unset multiplot\n";

@@ -31,11 +31,6 @@ std::vector<Turn> turnsOf(Motion motion) {
   }
 }
 
-const Disc& findDisc(const Anatomy& anatomy, const std::string& name) {
-  return *std::find_if(anatomy.discs.begin(), anatomy.discs.end(),
-                       [&](const Disc& disc) { return disc.name == name; });
-}
-
 }  // namespace
 
 double followerLoad(Region region) { return region == Region::kCervical ? 100 : 400; }
@@ -82,7 +77,7 @@ RomReport measureRom(const Anatomy& anatomy, const Skeleton& skeleton,
 double regionSum(const Anatomy& anatomy, const RomReport& report, Region region, Motion motion) {
   double sum = 0;
   for (const LevelMotion& m : report.motions) {
-    if (m.motion == motion && findDisc(anatomy, m.disc).region == region) sum += m.angle;
+    if (m.motion == motion && anatomy.disc(m.disc).region == region) sum += m.angle;
   }
   return sum;
 }
@@ -119,7 +114,7 @@ std::vector<MotionBounds> boundsOfMisses(const Anatomy& anatomy, const Skeleton&
   }
   forEach(static_cast<int>(misses.size()), threads, [&](int i) {
     MotionBounds& miss = misses[i];
-    const Disc& disc = findDisc(anatomy, miss.motion.disc);
+    const Disc& disc = anatomy.disc(miss.motion.disc);
     const auto turn = [&](const SegmentParts& parts, std::vector<std::string>* taut) {
       SegmentBench bench(anatomy, skeleton, disc.name, parts);
       double angle = 0;

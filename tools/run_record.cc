@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "model/disc_batch.h"
+#include "model/fnv1a.h"
 #include "plugin/mujoco_torso.h"
 #include "plugin/note.h"
 #include "tools/error.h"
@@ -83,7 +84,7 @@ RunResult parseRecord(const std::string& text, const std::string& where, Violati
   }
 }
 
-// FNV-1a of the model as a binary file, without the plugin's note, which differs in each process.
+// Hash of the model as a binary file, without the plugin's note, which differs in each process.
 std::uint64_t modelHash(const mjModel* m) {
   const std::unique_ptr<mjModel, Deleter> copy(mj_copyModel(nullptr, m));
   if (!copy) throw Error("not enough memory to copy the model");
@@ -96,9 +97,9 @@ std::uint64_t modelHash(const mjModel* m) {
   }
   std::vector<unsigned char> bytes(mj_sizeModel(copy.get()));
   mj_saveModel(copy.get(), nullptr, bytes.data(), static_cast<int>(bytes.size()));
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const unsigned char byte : bytes) hash = (hash ^ byte) * 0x100000001b3;
-  return hash;
+  Fnv1a hash;
+  hash.add(bytes.data(), bytes.size());
+  return hash.value();
 }
 
 Json runSettings(const mjModel* m, const RolloutOptions& options) {

@@ -1,14 +1,13 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "tools/segment_bench.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "model/body.h"
-#include "tools/error.h"
+#include "tools/mujoco_eigen.h"
+#include "tools/rest.h"
 #include "tools/torso_mjcf.h"
 
 namespace torso::tools {
@@ -17,23 +16,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-
-// At rest: slower than this over a tenth of a second, or after two seconds at most.
-constexpr double kRestSpeed = 1e-3;  // [rad/s]
-constexpr double kHold = 0.1, kLongestHold = 2;
-
-const Disc& findDisc(const Anatomy& anatomy, const std::string& name) {
-  std::string known;
-  for (const Disc& disc : anatomy.discs) {
-    if (disc.name == name) return disc;
-    known += (known.empty() ? "" : ", ") + disc.name;
-  }
-  throw Error(fmt::format("no disc is called '{}'; there are {}", name, known));
-}
-
-Vector3d vector3(const mjtNum* x) { return {x[0], x[1], x[2]}; }
-Matrix3d matrix3(const mjtNum* x) { return Eigen::Map<const RowMatrix3d>(x); }
+constexpr Rest kRest = {1e-3, 2};  // [rad/s], [s]
 
 }  // namespace
 
@@ -64,7 +47,7 @@ double laboratoryMoment(Region region) {
 SegmentBench::SegmentBench(const Anatomy& anatomy, const Skeleton& skeleton,
                            const std::string& disc_name, const SegmentParts& parts, double follower)
     : name_(disc_name), follower_(follower) {
-  const Disc& disc = findDisc(anatomy, disc_name);
+  const Disc& disc = anatomy.disc(disc_name);
   MjcfOptions options;
   options.anchored = bodyOfLevel(anatomy, disc.lower);
   options.only = {options.anchored, bodyOfLevel(anatomy, disc.upper)};
@@ -111,28 +94,18 @@ void SegmentBench::setMaxLength(const std::string& ligament, double length) {
 }
 
 void SegmentBench::settle(const Vector3d& moment) {
-  mjModel* m = m_.get();
   mjData* d = d_.get();
-  const int hold = static_cast<int>(std::ceil(kHold / m->opt.timestep));
-  for (double time = 0; time < kLongestHold; time += kHold) {
-    for (int i = 0; i < hold; i++) {
-      // In the frame of the lower half of the disc, which does not move.
-      const Matrix3d R = matrix3(d->site_xmat + 9 * lower_site_);
-      const Vector3d force = -follower_ * R.col(2);
-      const Vector3d point = vector3(d->site_xpos + 3 * upper_site_) +
-                             path_ * matrix3(d->site_xmat + 9 * upper_site_).col(0);
-      const Vector3d arm = point - vector3(d->xipos + 3 * upper_);
-      const Vector3d torque = R * moment + arm.cross(force);
-      mju_copy3(d->xfrc_applied + 6 * upper_, force.data());
-      mju_copy3(d->xfrc_applied + 6 * upper_ + 3, torque.data());
-      mj_step(m, d);
-    }
-    double speed = 0;
-    for (int i = 0; i < m->nv; i++) speed = std::max(speed, std::abs(d->qvel[i]));
-    if (speed < kRestSpeed) break;
-  }
-  const std::string warning = firstWarning(d);
-  if (!warning.empty()) throw Error(fmt::format("segment {}: {}", name_, warning));
+  stepToRest(m_.get(), d, kRest, "segment " + name_, [&] {
+    // In the frame of the lower half of the disc, which does not move.
+    const Matrix3d R = matrix3(d->site_xmat + 9 * lower_site_);
+    const Vector3d force = -follower_ * R.col(2);
+    const Vector3d point = vector3(d->site_xpos + 3 * upper_site_) +
+                           path_ * matrix3(d->site_xmat + 9 * upper_site_).col(0);
+    const Vector3d arm = point - vector3(d->xipos + 3 * upper_);
+    const Vector3d torque = R * moment + arm.cross(force);
+    mju_copy3(d->xfrc_applied + 6 * upper_, force.data());
+    mju_copy3(d->xfrc_applied + 6 * upper_ + 3, torque.data());
+  });
 }
 
 SegmentPose SegmentBench::pose(double moment, const Vector3d& axis) const {

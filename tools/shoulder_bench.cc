@@ -9,6 +9,7 @@
 #include "model/body.h"
 #include "model/facet_gap.h"
 #include "tools/error.h"
+#include "tools/mujoco_eigen.h"
 #include "tools/torso_mjcf.h"
 
 namespace torso::tools {
@@ -18,13 +19,8 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-
 // The couple on the arm follows its target as a spring and a damper: stiff against the capsule.
 constexpr double kGuide = 300, kGuideDamping = 10;  // [Nm/rad], [Nms/rad]
-
-Vector3d vector3(const mjtNum* x) { return {x[0], x[1], x[2]}; }
-Matrix3d matrix3(const mjtNum* x) { return Eigen::Map<const RowMatrix3d>(x); }
 
 Vector3d shaftAtRest(const Anatomy& a) {
   return (a.landmark("elbow") - a.landmark("glenohumeral_centre_GH")).normalized();

@@ -20,13 +20,6 @@ constexpr TrunkJoint kJoints[] = {{Region::kLumbar, "pelvis", "abdomen", "L4/L5"
 
 constexpr double kArmature = 0.01;  // [kg m^2], assumed, as of hips and shoulders (joints.csv)
 
-const Disc& discOf(const Anatomy& a, const char* name) {
-  for (const Disc& disc : a.discs) {
-    if (disc.name == name) return disc;
-  }
-  throw std::runtime_error(std::string("anatomy: no disc is called '") + name + "'");
-}
-
 // Levels of the servos of a region; C2/C3 is the head joint's.
 std::vector<const Disc*> levelsOf(const Anatomy& a, Region region) {
   std::vector<const Disc*> levels;
@@ -65,7 +58,7 @@ Anatomy withSimpleTrunk(const Anatomy& anatomy) {
     joint.name = regionName(j.region);
     joint.parent = j.parent;
     joint.child = j.child;
-    joint.position = discOf(anatomy, j.disc).frame.translation();
+    joint.position = anatomy.disc(j.disc).frame.translation();
     joint.limit = 0;
     joint.stiffness = flexionStiffness(anatomy, j.region) / bending;
     joint.damping = 0;

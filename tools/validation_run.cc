@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "model/fnv1a.h"
 #include "plugin/mujoco_torso.h"
 #include "tools/error.h"
 #include "tools/files.h"
@@ -33,19 +34,17 @@ std::string now() {
   return text;
 }
 
-// FNV-1a of the executable and the models that come with it: what results depend on beside the
+// Hash of the executable and the models that come with it: what results depend on beside the
 // options.
 std::string buildKey() {
-  std::uint64_t h = 0xcbf29ce484222325;
-  const auto add = [&](const std::string& bytes) {
-    for (const char c : bytes) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  };
+  Fnv1a hash;
+  const auto add = [&](const std::string& bytes) { hash.add(bytes.data(), bytes.size()); };
   add(readFile("/proc/self/exe"));
   for (const char* model : {"human.xml", "human_fixed.xml", "human_simple.xml", "torso_held.xml"}) {
     const std::string path = mjcfFolder() + "/" + model;
     if (std::filesystem::exists(path)) add(readFile(path));
   }
-  return fmt::format("{} {:016x}", torso_versionString(), h);
+  return fmt::format("{} {:016x}", torso_versionString(), hash.value());
 }
 
 // The command with its output in files of the folder, where it runs.

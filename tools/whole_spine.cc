@@ -1,15 +1,14 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "tools/whole_spine.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "model/body.h"
 #include "tools/bone_files.h"
-#include "tools/error.h"
+#include "tools/mujoco_eigen.h"
+#include "tools/rest.h"
 #include "tools/segment_bench.h"
 #include "tools/torso_mjcf.h"
 
@@ -19,14 +18,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-
-// At rest: slower than this at the end of a hold, or after so many holds.
-constexpr double kRestSpeed = 5e-3;  // [rad/s]
-constexpr double kHold = 0.1, kLongestHold = 3;
-
-Vector3d vector3(const mjtNum* x) { return {x[0], x[1], x[2]}; }
-Matrix3d matrix3(const mjtNum* x) { return Eigen::Map<const RowMatrix3d>(x); }
+constexpr Rest kRest = {5e-3, 3};  // [rad/s], [s]
 
 }  // namespace
 
@@ -98,20 +90,7 @@ void WholeSpine::apply(const SpineLoad& end, double share) {
 }
 
 void WholeSpine::settle(const SpineLoad& end, double share) {
-  mjModel* m = m_.get();
-  mjData* d = d_.get();
-  const int hold = static_cast<int>(std::ceil(kHold / m->opt.timestep));
-  for (double time = 0; time < kLongestHold; time += kHold) {
-    for (int i = 0; i < hold; i++) {
-      apply(end, share);
-      mj_step(m, d);
-    }
-    double speed = 0;
-    for (int i = 0; i < m->nv; i++) speed = std::max(speed, std::abs(d->qvel[i]));
-    if (speed < kRestSpeed) break;
-  }
-  const std::string warning = firstWarning(d);
-  if (!warning.empty()) throw Error(fmt::format("whole spine: {}", warning));
+  stepToRest(m_.get(), d_.get(), kRest, "whole spine", [&] { apply(end, share); });
 }
 
 void WholeSpine::stand(const SpineLoad& load) {

@@ -37,6 +37,11 @@ std::vector<PublishedMotion> readRegionMotion(const std::string& path);
 // What the paper takes of its motions: from least to largest angle without the outer 5 %.
 struct LevelSpread {
   double flexion_extension, lateral_bending, axial_rotation;  // [rad], the last two halved
+  double of(Motion motion) const {                            // one of these three
+    return motion == kFlexionExtension ? flexion_extension
+           : motion == kLateralBending ? lateral_bending
+                                       : axial_rotation;
+  }
 };
 // angles: by pose, turns about the axes of SpinePose::levels [rad].
 LevelSpread levelSpread(const std::array<std::vector<double>, 3>& angles);

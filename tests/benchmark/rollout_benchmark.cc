@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "model/median.h"
 #include "tools/clock.h"
 #include "tools/mujoco_support.h"
 #include "tools/paths.h"
@@ -133,9 +134,7 @@ void overhead(benchmark::State& state, const std::string& path) {
       ratio.push_back(rolled / plain);
     }
   }
-  const auto middle = ratio.begin() + static_cast<std::ptrdiff_t>(ratio.size() / 2);
-  std::nth_element(ratio.begin(), middle, ratio.end());
-  state.counters["overhead_percent"] = 100 * (*middle - 1);
+  state.counters["overhead_percent"] = 100 * (median(ratio) - 1);
 }
 
 void add(const std::string& name, const std::string& path) {

@@ -13,6 +13,8 @@
 
 #include "model/anatomy.h"
 #include "model/loft.h"
+#include "model/mesh_repair.h"
+#include "model/mesh_section.h"
 #include "tests/model/mesh_inside.h"
 
 namespace torso {
@@ -98,27 +100,6 @@ std::vector<std::vector<int>> shells(const TriMesh& mesh) {
   return out;
 }
 
-// Distance along a unit ray to the first face (from either side), infinity if none.
-double castRay(const TriMesh& mesh, const Vector3d& origin, const Vector3d& direction) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const auto& f : mesh.faces) {
-    const Vector3d &a = mesh.vertices[f[0]], e1 = mesh.vertices[f[1]] - a,
-                   e2 = mesh.vertices[f[2]] - a, p = direction.cross(e2);
-    const double det = e1.dot(p);
-    if (std::abs(det) < 1e-16) continue;
-    const Vector3d s = origin - a, q = s.cross(e1);
-    const double u = s.dot(p) / det, v = direction.dot(q) / det, t = e2.dot(q) / det;
-    if (u >= 0 && v >= 0 && u + v <= 1 && t > 0) nearest = std::min(nearest, t);
-  }
-  return nearest;
-}
-
-Eigen::AlignedBox3d box(const TriMesh& mesh) {
-  Eigen::AlignedBox3d b;
-  for (const Vector3d& v : mesh.vertices) b.extend(v);
-  return b;
-}
-
 double distanceToVertices(const TriMesh& mesh, const Vector3d& point) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Vector3d& v : mesh.vertices) nearest = std::min(nearest, (v - point).norm());
@@ -175,7 +156,7 @@ TEST(BoneMesh, RightIsTheMirrorImageOfLeft) {
         EXPECT_EQ(mirror(l.vertices[i]), r.vertices[i]);
       }
     } else if (body.rfind("right_", 0) != 0) {
-      const Eigen::AlignedBox3d b = box(bone(body));
+      const Eigen::AlignedBox3d b = bounds(bone(body));
       EXPECT_NEAR(b.min().y(), -b.max().y(), 0.1 * kMm) << body;
     }
   }
@@ -246,7 +227,7 @@ TEST(BoneMesh, BodiesHaveTheTablesHeights) {
       for (double in = 1; in <= 3.5; in += 0.25) {
         const Vector3d p = X * Vector3d(sign * (depth / 2 - in * kMm), 0.7 * kMm, 0);
         const Vector3d z = X.linear().col(2);
-        most = std::max(most, castRay(bone(v.name), p, z) + castRay(bone(v.name), p, -z));
+        most = std::max(most, rayLength(bone(v.name), p, z) + rayLength(bone(v.name), p, -z));
       }
       return most;
     };
@@ -266,8 +247,8 @@ TEST(BoneMesh, DiscsFitBetweenTheEndplates) {
                               (d.shape.height_anterior - d.shape.height_posterior) * (x + 0.5);
         const Vector3d p = d.frame * Vector3d(x * d.shape.depth, y * d.shape.width + 0.7 * kMm, 0);
         // The endplates are hollow by less than half a millimetre.
-        EXPECT_NEAR(castRay(above, p, up), height / 2, 0.5 * kMm) << d.name;
-        EXPECT_NEAR(castRay(below, p, -up), height / 2, 0.5 * kMm) << d.name;
+        EXPECT_NEAR(rayLength(above, p, up), height / 2, 0.5 * kMm) << d.name;
+        EXPECT_NEAR(rayLength(below, p, -up), height / 2, 0.5 * kMm) << d.name;
       }
     }
   }
@@ -305,10 +286,10 @@ TEST(BoneMesh, FacetFacesLieWhereTheTableSays) {
     for (double side : {1.0, -1.0}) {
       const auto sided = [&](const Vector3d& p) { return side > 0 ? p : mirror(p); };
       const Vector3d p = sided(X * f.position), n = sided(X.linear() * f.normal);
-      EXPECT_NEAR(castRay(superior, p + 1 * kMm * n, -n), 1 * kMm, 0.3 * kMm) << f.level;
+      EXPECT_NEAR(rayLength(superior, p + 1 * kMm * n, -n), 1 * kMm, 0.3 * kMm) << f.level;
       // The table's S1 facet lies so high that its counterpart is in L5's pedicle.
       if (f.level == "S1") continue;
-      EXPECT_NEAR(castRay(inferior, p, n), 2 * kMm, 0.3 * kMm) << f.level;
+      EXPECT_NEAR(rayLength(inferior, p, n), 2 * kMm, 0.3 * kMm) << f.level;
     }
   }
 }
@@ -323,7 +304,7 @@ TEST(BoneMesh, VertebralCanalIsOpen) {
       const Vector3d p = X * Vector3d(-back - v.canal_depth * (0.45 + 0.25 * std::cos(a)),
                                       0.25 * v.canal_width * std::sin(a), 0);
       for (double side : {1.0, -1.0}) {
-        EXPECT_GT(castRay(bone(v.name), p, side * X.linear().col(2)), length) << v.name << k;
+        EXPECT_GT(rayLength(bone(v.name), p, side * X.linear().col(2)), length) << v.name << k;
       }
     }
   }
@@ -363,7 +344,7 @@ TEST(BoneMesh, RibCageLeavesTheVertebraeFree) {
 
 TEST(BoneMesh, RibCageHasTheLandmarksBreadth) {
   const double breadth = anatomy().landmark("rib_cage_max_breadth_point").y();
-  EXPECT_NEAR(box(bone("ribcage")).max().y(), breadth, 3 * kMm);
+  EXPECT_NEAR(bounds(bone("ribcage")).max().y(), breadth, 3 * kMm);
 }
 
 TEST(BoneMesh, ScapulaGlidesOnTheRibs) {
@@ -378,7 +359,7 @@ TEST(BoneMesh, ScapulaGlidesOnTheRibs) {
 }
 
 TEST(BoneMesh, StatureIsTheTables) {
-  const double top = box(bone("head")).max().z(), sole = box(bone("left_foot")).min().z();
+  const double top = bounds(bone("head")).max().z(), sole = bounds(bone("left_foot")).min().z();
   EXPECT_NEAR(top - sole, anatomy().stature(), 5 * kMm);
 }
 

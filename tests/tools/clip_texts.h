@@ -39,12 +39,7 @@ inline std::vector<TestJoint> testPerson(
     }
     joints.push_back({name, p, place, end});
   };
-  const auto disc = [&](const char* name) {
-    for (const Disc& d : a.discs) {
-      if (d.name == name) return Eigen::Vector3d(d.frame.translation());
-    }
-    throw std::runtime_error(name);
-  };
+  const auto disc = [&](const char* name) { return a.disc(name).frame.translation(); };
   add("hips", "", Eigen::Vector3d::Zero());
   add("spine", "hips", disc("L4/L5"));
   add("chest", "spine", disc("T12/L1"));
@@ -67,6 +62,20 @@ inline std::vector<TestJoint> testPerson(
   }
   for (TestJoint& joint : joints) {
     if (!joint.end) joint.name = rename(joint.name);
+  }
+  return joints;
+}
+
+// The upper body of a testPerson with its own names.
+inline std::vector<TestJoint> withoutLegs(const std::vector<TestJoint>& person) {
+  std::vector<TestJoint> joints;
+  std::vector<int> index(person.size(), -1);
+  for (size_t j = 0; j < person.size(); j++) {
+    const std::string part = splitSide(person[j].name).second;
+    if (part == "thigh" || part == "shin" || part == "foot" || part == "toe_end") continue;
+    index[j] = static_cast<int>(joints.size());
+    joints.push_back(person[j]);
+    if (person[j].parent >= 0) joints.back().parent = index[person[j].parent];
   }
   return joints;
 }

@@ -332,7 +332,8 @@ TEST_F(Command, DiscsNamesTheLevelsThereAre) {
     const Result result = run(command + " --level L6/S1");
     EXPECT_EQ(result.status, 1);
     EXPECT_EQ(result.out, "");
-    EXPECT_NE(result.err.find("L6/S1: no such disc; there are L5/S1, L4/L5"), std::string::npos)
+    EXPECT_NE(result.err.find("no disc is called 'L6/S1'; there are L5/S1, L4/L5"),
+              std::string::npos)
         << result.err;
   }
 }

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -90,6 +89,22 @@ inline int idOf(const mjModel* m, mjtObj type, const std::string& name) {
   const int found = mj_name2id(m, type, name.c_str());
   EXPECT_GE(found, 0) << name;
   return found;
+}
+
+// Lets the humanoid fall from `height` [m], with other random controls every 60 steps.
+inline void drop(const mjModel* m, mjData* d, double height, int steps) {
+  for (int j = 0; j < m->njnt; j++) {
+    if (m->jnt_type[j] == mjJNT_FREE) d->qpos[m->jnt_qposadr[j] + 2] += height;
+  }
+  unsigned random = 1;
+  for (int i = 0; i < steps; i++) {
+    for (int u = 0; i % 60 == 0 && u < m->nu; u++) {
+      random = random * 1664525u + 1013904223u;
+      const mjtNum* range = m->actuator_ctrlrange + 2 * u;
+      d->ctrl[u] = range[0] + (range[1] - range[0]) * (random >> 8) / double(1 << 24);
+    }
+    mj_step(m, d);
+  }
 }
 
 // A form of humanoid that tests graft.

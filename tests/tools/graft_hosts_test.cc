@@ -195,18 +195,7 @@ TEST_P(GraftHosts, DropsWithoutWarnings) {
   graft(anatomy(), o);
   const ModelPtr m = loadModel(at("out.xml"));
   const DataPtr d = makeData(m.get());
-  for (int j = 0; j < m->njnt; j++) {
-    if (m->jnt_type[j] == mjJNT_FREE) d->qpos[m->jnt_qposadr[j] + 2] += 0.3;
-  }
-  unsigned random = 1;
-  for (int i = 0; i < 500; i++) {
-    for (int u = 0; i % 60 == 0 && u < m->nu; u++) {
-      random = random * 1664525u + 1013904223u;
-      const mjtNum* range = m->actuator_ctrlrange + 2 * u;
-      d->ctrl[u] = range[0] + (range[1] - range[0]) * (random >> 8) / double(1 << 24);
-    }
-    mj_step(m.get(), d.get());
-  }
+  drop(m.get(), d.get(), 0.3, 500);
   EXPECT_EQ(firstWarning(d.get()), "");
 }
 

@@ -2,75 +2,19 @@
 
 // Grafts MuJoCo's own humanoid, and looks at the result with plain MuJoCo.
 
-#include "tools/graft.h"
-
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include <cmath>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
-#include "tools/error.h"
-#include "tools/graft_host.h"
-#include "tools/mujoco_support.h"
-#include "tools/paths.h"
+#include "tests/tools/graft_fixture.h"
 #include "tools/torso_mjcf.h"
 
 namespace torso::tools {
 namespace {
 
-namespace fs = std::filesystem;
-
-const char kHumanoid[] = "/usr/share/mujoco/model/humanoid/humanoid.xml";
-
-const Anatomy& anatomy() {
-  static const Anatomy a = Anatomy::load(anatomyFolder());
-  return a;
-}
-
-std::string readFile(const fs::path& path) {
-  std::ostringstream content;
-  content << std::ifstream(path).rdbuf();
-  return content.str();
-}
-
-class Graft : public testing::Test {
- protected:
-  void SetUp() override {
-    installHandlers();
-    std::string folder = testing::TempDir() + "graft_XXXXXX";
-    ASSERT_TRUE(mkdtemp(folder.data()));
-    folder_ = folder;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string at(const std::string& name) const { return (folder_ / name).string(); }
-  std::string write(const std::string& name, const std::string& content) const {
-    std::ofstream(folder_ / name) << content;
-    return at(name);
-  }
-  GraftReport graftTo(const std::string& input, const std::string& name,
-                      const std::string& prefix = "") {
-    GraftOptions options;
-    options.input = input;
-    options.output = at(name);
-    options.prefix = prefix;
-    options.meshes = mjcfFolder() + "/assets";
-    return graft(anatomy(), options);
-  }
-  fs::path folder_;
-};
-
-int id(const mjModel* m, mjtObj type, const std::string& name) {
-  const int found = mj_name2id(m, type, name.c_str());
-  EXPECT_GE(found, 0) << name;
-  return found;
-}
+class Graft : public GraftFixture {};
 
 DataPtr forward(const mjModel* m) {
   DataPtr d = makeData(m);
@@ -82,7 +26,7 @@ double midDistance(const mjModel* m, const mjData* d) {
   double sum = 0;
   for (int k = 0; k < 3; k++) {
     const auto anchor = [&](const char* joint) {
-      return d->xanchor[3 * id(m, mjOBJ_JOINT, joint) + k];
+      return d->xanchor[3 * idOf(m, mjOBJ_JOINT, joint) + k];
     };
     const double x = 0.5 * (anchor("left_shoulder1") + anchor("right_shoulder1") -
                             anchor("left_hip_x") - anchor("right_hip_x"));
@@ -92,8 +36,8 @@ double midDistance(const mjModel* m, const mjData* d) {
 }
 
 TEST_F(Graft, KeepsMassAndSizeAndLegs) {
-  graftTo(kHumanoid, "out.xml");
-  const ModelPtr before = loadModel(kHumanoid), after = loadModel(at("out.xml"));
+  graftTo(kMujocoHumanoid);
+  const ModelPtr before = loadModel(kMujocoHumanoid), after = loadModel(at("out.xml"));
   double mass[2] = {0, 0};
   for (int b = 0; b < before->nbody; b++) mass[0] += before->body_mass[b];
   for (int b = 0; b < after->nbody; b++) mass[1] += after->body_mass[b];
@@ -108,7 +52,7 @@ TEST_F(Graft, KeepsMassAndSizeAndLegs) {
   for (const char* side : {"left", "right"}) {
     for (const char* part : {"_thigh", "_shin", "_foot"}) {
       const std::string name = std::string(side) + part;
-      const int b0 = id(before.get(), mjOBJ_BODY, name), b1 = id(after.get(), mjOBJ_BODY, name);
+      const int b0 = idOf(before.get(), mjOBJ_BODY, name), b1 = idOf(after.get(), mjOBJ_BODY, name);
       for (int k = 0; k < 9; k++) {
         EXPECT_NEAR(d1->xmat[9 * b1 + k], d0->xmat[9 * b0 + k], 1e-6);
         if (k < 3) {
@@ -121,14 +65,14 @@ TEST_F(Graft, KeepsMassAndSizeAndLegs) {
 
 // All that is kept is what it was, whatever the torso's defaults and settings.
 TEST_F(Graft, KeptObjectsAreUnchangedAndTheOthersReported) {
-  const GraftReport report = graftTo(kHumanoid, "out.xml");
+  const GraftReport report = graftTo(kMujocoHumanoid);
   std::set<std::pair<std::string, std::string>> gone, changed;
   for (const GraftChange& c : report.changes) {
     EXPECT_FALSE(c.detail.empty());
     if (c.action == "changed") changed.emplace(c.kind, c.name);
     if (c.action == "removed" || c.action == "replaced") gone.emplace(c.kind, c.name);
   }
-  const ModelPtr before = loadModel(kHumanoid), after = loadModel(at("out.xml"));
+  const ModelPtr before = loadModel(kMujocoHumanoid), after = loadModel(at("out.xml"));
   const mjModel *a = before.get(), *b = after.get();
   int kept = 0;
   const auto compare = [&](mjtObj type, int n, const auto& same) {
@@ -193,13 +137,13 @@ TEST_F(Graft, KeptObjectsAreUnchangedAndTheOthersReported) {
 
   // The camera in the head sees from the same place.
   const DataPtr d0 = forward(a), d1 = forward(b);
-  const int c0 = id(a, mjOBJ_CAMERA, "egocentric"), c1 = id(b, mjOBJ_CAMERA, "egocentric");
+  const int c0 = idOf(a, mjOBJ_CAMERA, "egocentric"), c1 = idOf(b, mjOBJ_CAMERA, "egocentric");
   equal(d0->cam_xpos + 3 * c0, d1->cam_xpos + 3 * c1, 3, "egocentric");
   equal(d0->cam_xmat + 9 * c0, d1->cam_xmat + 9 * c1, 9, "egocentric");
 }
 
 TEST_F(Graft, NothingTouchesAtRest) {
-  graftTo(kHumanoid, "out.xml");
+  graftTo(kMujocoHumanoid);
   const ModelPtr m = loadModel(at("out.xml"));
   const DataPtr d = forward(m.get());
   for (int i = 0; i < d->ncon; i++) {
@@ -211,7 +155,7 @@ TEST_F(Graft, NothingTouchesAtRest) {
 }
 
 TEST_F(Graft, StockMujocoLoadsAndStepsIt) {
-  graftTo(kHumanoid, "out.xml");
+  graftTo(kMujocoHumanoid);
   torso_uninstall();
   const ModelPtr m = loadModel(at("out.xml"));
   const DataPtr d = makeData(m.get());
@@ -221,28 +165,17 @@ TEST_F(Graft, StockMujocoLoadsAndStepsIt) {
 }
 
 TEST_F(Graft, DropsWithoutWarnings) {
-  graftTo(kHumanoid, "out.xml");
+  graftTo(kMujocoHumanoid);
   const ModelPtr m = loadModel(at("out.xml"));
   const DataPtr d = makeData(m.get());
-  for (int j = 0; j < m->njnt; j++) {
-    if (m->jnt_type[j] == mjJNT_FREE) d->qpos[m->jnt_qposadr[j] + 2] += 1;
-  }
-  unsigned random = 1;
-  for (int i = 0; i < 1200; i++) {
-    for (int u = 0; i % 60 == 0 && u < m->nu; u++) {
-      random = random * 1664525u + 1013904223u;
-      const mjtNum* range = m->actuator_ctrlrange + 2 * u;
-      d->ctrl[u] = range[0] + (range[1] - range[0]) * (random >> 8) / double(1 << 24);
-    }
-    mj_step(m.get(), d.get());
-  }
+  drop(m.get(), d.get(), 1, 1200);
   EXPECT_EQ(firstWarning(d.get()), "");
-  EXPECT_LT(d->xpos[3 * id(m.get(), mjOBJ_BODY, "pelvis") + 2], 1.2);
+  EXPECT_LT(d->xpos[3 * idOf(m.get(), mjOBJ_BODY, "pelvis") + 2], 1.2);
 }
 
 // Lying on the side, turning, knees bent: legs as before, the torso undeformed and turning too.
 TEST_F(Graft, KeyframesKeepTheirPose) {
-  std::string humanoid = readFile(kHumanoid), qpos = "1 2 0.3 0.5 0.5 -0.5 0.5",
+  std::string humanoid = readFile(kMujocoHumanoid), qpos = "1 2 0.3 0.5 0.5 -0.5 0.5",
               qvel = "0.1 0.2 0.3 1 2 3";
   for (int i = 0; i < 21; i++) {
     qpos += i < 3 ? " 0" : " -0.2";
@@ -252,7 +185,7 @@ TEST_F(Graft, KeyframesKeepTheirPose) {
                   "<keyframe><key name='lying' time='3' qpos='" + qpos + "' qvel='" + qvel +
                       "' ctrl='.1 .1 .1 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2'/>"
                       "</keyframe>");
-  graftTo(write("in.xml", humanoid), "out.xml");
+  graftTo(write("in.xml", humanoid));
   const ModelPtr a = loadModel(at("in.xml")), b = loadModel(at("out.xml"));
   ASSERT_EQ(b->nkey, 1);
   EXPECT_EQ(b->key_time[0], 3);
@@ -262,7 +195,7 @@ TEST_F(Graft, KeyframesKeepTheirPose) {
   mj_forward(a.get(), d0.get());
   mj_forward(b.get(), d1.get());
   for (const char* foot : {"left_foot", "right_foot"}) {
-    const int b0 = id(a.get(), mjOBJ_BODY, foot), b1 = id(b.get(), mjOBJ_BODY, foot);
+    const int b0 = idOf(a.get(), mjOBJ_BODY, foot), b1 = idOf(b.get(), mjOBJ_BODY, foot);
     mjtNum v0[6], v1[6];
     mj_objectVelocity(a.get(), d0.get(), mjOBJ_XBODY, b0, v0, 0);
     mj_objectVelocity(b.get(), d1.get(), mjOBJ_XBODY, b1, v1, 0);
@@ -274,18 +207,18 @@ TEST_F(Graft, KeyframesKeepTheirPose) {
     EXPECT_NEAR(d1->ten_length[t], b->tendon_length0[t], 1e-5);
     EXPECT_NEAR(d1->ten_velocity[t], 0, 1e-4);
   }
-  EXPECT_NEAR(d1->ctrl[id(b.get(), mjOBJ_ACTUATOR, "left_knee")], 0.2, 1e-9);
-  EXPECT_EQ(d1->ctrl[id(b.get(), mjOBJ_ACTUATOR, "L5/S1_flexion")], 0);
+  EXPECT_NEAR(d1->ctrl[idOf(b.get(), mjOBJ_ACTUATOR, "left_knee")], 0.2, 1e-9);
+  EXPECT_EQ(d1->ctrl[idOf(b.get(), mjOBJ_ACTUATOR, "L5/S1_flexion")], 0);
 }
 
 // MuJoCo saves in radians and with all names of defaults spelled out.
 TEST_F(Graft, RadiansAndSavedModelsGiveTheSame) {
   char error[500] = "";
-  mjModel* original = mj_loadXML(kHumanoid, nullptr, error, sizeof(error));
+  mjModel* original = mj_loadXML(kMujocoHumanoid, nullptr, error, sizeof(error));
   ASSERT_TRUE(mj_saveLastXML(at("saved.xml").c_str(), original, error, sizeof(error))) << error;
   mj_deleteModel(original);
   ASSERT_NE(readFile(at("saved.xml")).find("angle=\"radian\""), std::string::npos);
-  graftTo(kHumanoid, "degree.xml");
+  graftTo(kMujocoHumanoid, "degree.xml");
   graftTo(at("saved.xml"), "radian.xml");
   const ModelPtr a = loadModel(at("degree.xml")), b = loadModel(at("radian.xml"));
   ASSERT_EQ(a->njnt, b->njnt);
@@ -300,9 +233,11 @@ TEST_F(Graft, RadiansAndSavedModelsGiveTheSame) {
 }
 
 TEST_F(Graft, PrefixIsOnEveryNameOfTheTorso) {
-  const GraftReport report = graftTo(kHumanoid, "out.xml", "my_");
+  GraftOptions o = options(kMujocoHumanoid);
+  o.prefix = "my_";
+  const GraftReport report = graft(anatomy(), o);
   for (const GraftChange& c : report.changes) EXPECT_NE(c.action, "renamed") << c.name;
-  const ModelPtr before = loadModel(kHumanoid), m = loadModel(at("out.xml"));
+  const ModelPtr before = loadModel(kMujocoHumanoid), m = loadModel(at("out.xml"));
   for (int b = 1; b < m->nbody; b++) {
     const std::string name = nameOf(m.get(), mjOBJ_BODY, b);
     const bool theirs = mj_name2id(before.get(), mjOBJ_BODY, name.c_str()) > 0;
@@ -312,14 +247,11 @@ TEST_F(Graft, PrefixIsOnEveryNameOfTheTorso) {
 }
 
 TEST_F(Graft, DryRunWritesNothing) {
-  GraftOptions options;
-  options.input = kHumanoid;
-  options.output = at("out.xml");
-  options.dry_run = true;
-  options.meshes = mjcfFolder() + "/assets";
-  const GraftReport report = graft(anatomy(), options);
+  GraftOptions o = options(kMujocoHumanoid);
+  o.dry_run = true;
+  const GraftReport report = graft(anatomy(), o);
   EXPECT_EQ(report.limb_joints, 18);
-  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
 // As a user runs it.
@@ -329,12 +261,12 @@ TEST_F(Graft, CommandReportsAndExits) {
                              " > out.txt 2> err.txt < /dev/null";
     return WEXITSTATUS(std::system(line.c_str()));
   };
-  EXPECT_EQ(run(std::string(kHumanoid) + " -o h.xml --json"), 0);
+  EXPECT_EQ(run(std::string(kMujocoHumanoid) + " -o h.xml --json"), 0);
   EXPECT_EQ(readFile(at("err.txt")), "");
   const auto json = nlohmann::json::parse(readFile(at("out.txt")), nullptr, false);
   EXPECT_NEAR(json["mass_after_kg"], json["mass_before_kg"], 1e-3);
   EXPECT_FALSE(json["changes"].empty());
-  EXPECT_TRUE(fs::exists(at("torso_assets/ribcage.stl")));
+  EXPECT_TRUE(std::filesystem::exists(at("torso_assets/ribcage.stl")));
 
   EXPECT_EQ(run("h.xml -o again.xml"), 1);
   EXPECT_EQ(readFile(at("err.txt")),
@@ -345,7 +277,7 @@ TEST_F(Graft, CommandReportsAndExits) {
   EXPECT_EQ(run("missing.xml -o again.xml"), 1);
   EXPECT_EQ(readFile(at("err.txt")).rfind("torso graft: missing.xml: no such file", 0), 0u);
   EXPECT_EQ(run("h.xml"), 2);
-  EXPECT_FALSE(fs::exists(at("again.xml")));
+  EXPECT_FALSE(std::filesystem::exists(at("again.xml")));
 }
 
 // A scaled anatomy gives a scaled model: lengths, masses and what follows from both.

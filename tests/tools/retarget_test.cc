@@ -203,16 +203,7 @@ TEST(RetargetTest, StandingFeetStandStill) {
 }
 
 TEST(RetargetTest, OnlyUpperBodyKeepsLegsAtRest) {
-  const std::vector<TestJoint> all = testPerson(tables());
-  std::vector<TestJoint> joints;
-  std::vector<int> index(all.size(), -1);
-  for (size_t j = 0; j < all.size(); j++) {
-    const std::string part = splitSide(all[j].name).second;
-    if (part == "thigh" || part == "shin" || part == "foot" || part == "toe_end") continue;
-    index[j] = static_cast<int>(joints.size());
-    joints.push_back(all[j]);
-    if (all[j].parent >= 0) joints.back().parent = index[static_cast<size_t>(all[j].parent)];
-  }
+  const std::vector<TestJoint> joints = withoutLegs(testPerson(tables()));
   const Result r = solve(bvhText(
       joints, kFrames,
       [&](size_t j, size_t f) { return testTurn(joints[j].name, static_cast<double>(f) / 30); },

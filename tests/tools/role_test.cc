@@ -184,17 +184,7 @@ TEST(RoleTest, MissingPartsAndManySpineJoints) {
 }
 
 TEST(RoleTest, OnlyUpperBodyIsSaid) {
-  std::vector<TestJoint> joints = testPerson(anatomy());
-  const std::vector<TestJoint> all = joints;
-  joints.clear();
-  std::vector<int> index(all.size(), -1);
-  for (size_t j = 0; j < all.size(); j++) {
-    const std::string part = splitSide(all[j].name).second;
-    if (part == "thigh" || part == "shin" || part == "foot" || part == "toe_end") continue;
-    index[j] = static_cast<int>(joints.size());
-    joints.push_back(all[j]);
-    if (all[j].parent >= 0) joints.back().parent = index[static_cast<size_t>(all[j].parent)];
-  }
+  const std::vector<TestJoint> joints = withoutLegs(testPerson(anatomy()));
   const Clip clip = clipOf(joints, joints);
   const Roles roles = rolesOf(clip);
   EXPECT_TRUE(roles.hasArms());

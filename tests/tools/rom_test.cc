@@ -18,16 +18,9 @@ namespace {
 
 constexpr double kDegree = EIGEN_PI / 180;
 
-const Disc& disc(const std::string& name) {
-  for (const Disc& d : anatomy().discs) {
-    if (d.name == name) return d;
-  }
-  throw std::runtime_error(name);
-}
-
 double angleAt(const Anatomy& a, const std::string& name, Turn turn) {
   return SegmentBench(a, skeleton(), name)
-      .load(turn, laboratoryMoment(disc(name).region), 1)
+      .load(turn, laboratoryMoment(anatomy().disc(name).region), 1)
       .back()
       .angle;
 }
@@ -35,7 +28,7 @@ double angleAt(const Anatomy& a, const std::string& name, Turn turn) {
 // The dynamic simulation comes to rest where the quasi-static solver of the disc's bench does.
 TEST(SegmentBench, WithoutLigamentsAndFacetsIsTheDiscOnItsBench) {
   for (const char* name : {"L4/L5", "T6/T7", "C5/C6"}) {
-    const Disc& d = disc(name);
+    const Disc& d = anatomy().disc(name);
     DiscMesh mesh = makeDiscMesh(d.shape);
     fitDiscFaces(d.frame, skeleton().bone(bodyOfLevel(anatomy(), d.lower)),
                  skeleton().bone(bodyOfLevel(anatomy(), d.upper)), kDiscReach, &mesh);
