@@ -15,6 +15,7 @@
 #include "tools/error.h"
 #include "tools/files.h"
 #include "tools/gnuplot.h"
+#include "tools/measured_man.h"
 #include "tools/muscle_arms.h"
 #include "tools/paths.h"
 #include "tools/pressure_plots.h"
@@ -29,7 +30,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::vector<std::string> activities;
-  std::string plot;
+  std::string plot, body = "measured";
   bool muscles = true, json = false, arms = false, explain = false;
 };
 
@@ -46,7 +47,7 @@ Json describe(const Loading& loading) {
   return {{"discs", discs}, {"servo_flexion_moments_nm", loading.servo_moments}};
 }
 
-Json describe(const std::vector<ActivityLoads>& all) {
+Json describe(const std::vector<ActivityLoads>& all, const std::string& body) {
   Json activities = Json::array();
   for (const ActivityLoads& loads : all) {
     Json entry = {{"activity", loads.activity.name},
@@ -72,12 +73,13 @@ Json describe(const std::vector<ActivityLoads>& all) {
     }
     activities.push_back(entry);
   }
-  return {{"disc", kMeasuredDisc}, {"activities", activities}};
+  return {{"disc", kMeasuredDisc}, {"body", body}, {"activities", activities}};
 }
 
 void pressure(const Options& options) {
   if (options.explain && !options.muscles) throw Error("--explain is about muscles: it needs them");
-  const Anatomy anatomy = Anatomy::load(anatomyFolder());
+  const Anatomy tables = Anatomy::load(anatomyFolder());
+  const Anatomy anatomy = options.body == "tables" ? tables : measuredMan(tables);
   std::vector<Activity> chosen, all = readActivities(anatomyFolder());
   for (const Activity& activity : all) {
     if (options.activities.empty()) chosen.push_back(activity);
@@ -118,7 +120,7 @@ void pressure(const Options& options) {
     }
   }
   if (options.json) {
-    std::cout << describe(results).dump(2) << '\n';
+    std::cout << describe(results, options.body).dump(2) << '\n';
   } else {
     printPressures(results);
     if (options.explain) {
@@ -139,13 +141,20 @@ void addPressure(CLI::App& app) {
       "rest, held by its servos, and then by muscles that give the servos' moments about the "
       "discs\n"
       "L5/S1 to T12/L1 with the least sum of squared stresses. The measured pressure is that in\n"
-      "the nucleus of L4/L5 (Wilke et al. 1999, 2001).\n\n"
+      "the nucleus of L4/L5 of one man (Wilke et al. 1999, 2001). The body is the tables' man with "
+      "his\n"
+      "mass and lumbar discs as large as his; --body tables: with the discs of the models.\n\n"
       "Examples:\n"
       "  torso pressure\n"
+      "  torso pressure --body tables\n"
       "  torso pressure --activity standing hold_close --no-muscles\n"
       "  torso pressure --explain --plot out\n"
       "  torso pressure --json | jq '.activities[] | .muscles.discs'");
   command->add_option("--activity", options->activities, "Only these, by their names in the table");
+  command
+      ->add_option("--body", options->body, "Whose discs: those of the measured man or the tables'")
+      ->check(CLI::IsMember({"measured", "tables"}))
+      ->capture_default_str();
   command->add_flag("--muscles,!--no-muscles", options->muscles,
                     "Whether muscles take over from the servos (default: they do)");
   command->add_flag("--arms", options->arms,

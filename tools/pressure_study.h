@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tools/activity.h"
+#include "tools/measured_man.h"
 #include "tools/muscle_moments.h"
 #include "tools/posed_body.h"
 
@@ -17,9 +18,6 @@ constexpr const char* kMeasuredDisc = "L4/L5";
 // In the nucleus of a disc under no load [Pa], for the ligaments press on it and it swells:
 // Nachemson and Evans 1968, J Biomech 1:211-220. Pressures of our discs are above it.
 constexpr double kUnloadedPressure = 0.07e6;
-// Of the disc L4/L5 of the man whose pressures were measured [m^2]: Wilke et al. 2001, Clin Biomech
-// 16 Suppl 1:S111-S126.
-constexpr double kSubjectsArea = 1800e-6;
 
 struct DiscLoad {
   std::string disc;

@@ -27,18 +27,23 @@ double mostServos(const Loading& loading) {
 
 void printPressures(const std::vector<ActivityLoads>& all) {
   const bool muscles = !all.front().muscles.discs.empty();
+  const double area = all.front().servos.at(kMeasuredDisc).area;
+  const bool same_area = std::abs(area / kSubjectsArea - 1) < 1e-3;
   fmt::print(
-      "{}: pressure in the nucleus [MPa] on a disc of the measured man's {:.0f} mm2, in brackets\n"
-      "on ours of {:.0f}; {:.2f} of the unloaded disc included; compression [N]; left: the most\n"
-      "that servos still give at one of the discs from L5/S1 to T12/L1 [Nm]\n",
-      kMeasuredDisc, kSubjectsArea * 1e6, all.front().servos.at(kMeasuredDisc).area * 1e6,
+      "{}: pressure in the nucleus [MPa] on a disc of the measured man's {:.0f} mm2{};\n"
+      "{:.2f} of the unloaded disc included; compression [N]; left: the most that servos still\n"
+      "give at one of the discs from L5/S1 to T12/L1 [Nm]\n",
+      kMeasuredDisc, kSubjectsArea * 1e6,
+      same_area ? "" : fmt::format(", in brackets\non ours of {:.0f}", area * 1e6),
       kUnloadedPressure / 1e6);
   fmt::print("{:<38}{:>8}{:>16}{:>7}", "", "in vivo", "servos only", "[N]");
   if (muscles) fmt::print("{:>16}{:>7}{:>12}{:>7}", "muscles", "[N]", "to in vivo", "left");
   fmt::print("\n");
-  const auto figures = [](const DiscLoad& load) {
-    return fmt::format("{:>9.2f} ({:4.2f}){:>7.0f}", load.pressureOnSubjectsArea() / 1e6,
-                       load.nucleus_pressure / 1e6, load.compression);
+  const auto figures = [&](const DiscLoad& load) {
+    const std::string ours =
+        same_area ? "" : fmt::format(" ({:4.2f})", load.nucleus_pressure / 1e6);
+    return fmt::format("{:>9.2f}{:7}{:>7.0f}", load.pressureOnSubjectsArea() / 1e6, ours,
+                       load.compression);
   };
   for (const ActivityLoads& loads : all) {
     const double measured = loads.activity.pressure;
