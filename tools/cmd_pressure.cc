@@ -29,7 +29,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::vector<std::string> activities;
+  std::vector<std::string> activities, without;
   std::string plot, body = "measured";
   bool muscles = true, json = false, arms = false, explain = false;
 };
@@ -47,7 +47,7 @@ Json describe(const Loading& loading) {
   return {{"discs", discs}, {"servo_flexion_moments_nm", loading.servo_moments}};
 }
 
-Json describe(const std::vector<ActivityLoads>& all, const std::string& body) {
+Json describe(const std::vector<ActivityLoads>& all, const Options& options) {
   Json activities = Json::array();
   for (const ActivityLoads& loads : all) {
     Json entry = {{"activity", loads.activity.name},
@@ -73,7 +73,23 @@ Json describe(const std::vector<ActivityLoads>& all, const std::string& body) {
     }
     activities.push_back(entry);
   }
-  return {{"disc", kMeasuredDisc}, {"body", body}, {"activities", activities}};
+  return {{"disc", kMeasuredDisc},
+          {"body", options.body},
+          {"without", options.without},
+          {"activities", activities}};
+}
+
+Json describe(const std::vector<MuscleArm>& arms) {
+  Json result = Json::array();
+  for (const MuscleArm& a : arms) {
+    result.push_back({{"muscle", a.muscle},
+                      {"disc", a.disc},
+                      {"behind_mm", 1e3 * a.behind},
+                      {"behind_published_mm", {1e3 * a.behind_low, 1e3 * a.behind_high}},
+                      {"beside_mm", 1e3 * a.beside},
+                      {"beside_published_mm", {1e3 * a.beside_low, 1e3 * a.beside_high}}});
+  }
+  return {{"arms", result}};
 }
 
 void pressure(const Options& options) {
@@ -100,15 +116,24 @@ void pressure(const Options& options) {
   PosedBody body(anatomy, skeleton, options.plot.empty() ? "" : mjcfFolder() + "/assets");
   const MuscleMoments moments(body.model());
   if (options.arms) {
-    printArms(measureArms(anatomy, anatomyFolder(), body.model(), body.data(), moments));
+    const auto arms = measureArms(anatomy, anatomyFolder(), body.model(), body.data(), moments);
+    if (options.json) {
+      std::cout << describe(arms).dump(2) << '\n';
+    } else {
+      printArms(arms);
+    }
     return;
+  }
+  Assumptions assumptions;
+  for (const std::string& part : options.without) {
+    (part == "abdomen" ? assumptions.abdomen : assumptions.coactivation) = false;
   }
   std::vector<ActivityLoads> results;
   {
     const ProgressBar bar;
     for (const Activity& activity : chosen) {
       bar.show(static_cast<double>(results.size()) / chosen.size());
-      results.push_back(measureActivity(body, moments, activity, options.muscles));
+      results.push_back(measureActivity(body, moments, activity, options.muscles, assumptions));
       if (!options.plot.empty()) writePosture(options.plot + "/" + activity.name + ".png", body);
     }
   }
@@ -120,7 +145,7 @@ void pressure(const Options& options) {
     }
   }
   if (options.json) {
-    std::cout << describe(results, options.body).dump(2) << '\n';
+    std::cout << describe(results, options).dump(2) << '\n';
   } else {
     printPressures(results);
     if (options.explain) {
@@ -157,6 +182,11 @@ void addPressure(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--muscles,!--no-muscles", options->muscles,
                     "Whether muscles take over from the servos (default: they do)");
+  command
+      ->add_option("--without", options->without,
+                   "Leave out pressure in the abdomen or the muscles' coactivation")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"abdomen", "coactivation"}));
   command->add_flag("--arms", options->arms,
                     "Print the muscles' moment arms beside published ones, and do no more");
   command->add_flag("--explain", options->explain,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -16,6 +17,9 @@
 
 namespace torso::tools {
 namespace {
+
+// Of Debian's libmujoco-samples.
+constexpr const char* kHumanoid = "/usr/share/mujoco/model/humanoid/humanoid.xml";
 
 struct Options {
   std::string folder = "validation";
@@ -143,9 +147,19 @@ void addValidate(CLI::App& app) {
       ->add_option("--tests", options->input.build,
                    "Build folder: with the figures that tests print")
       ->check(CLI::ExistingDirectory);
+  command
+      ->add_option("--humanoids", options->input.humanoids,
+                   "MJCF humanoids to graft the torso into, with commas (default: MuJoCo's own)")
+      ->delimiter(',')
+      ->check(CLI::ExistingFile);
   command->add_flag("--list", options->list, "List the sections and their commands, run nothing");
   command->add_flag("--json", options->json, "Print JSON");
-  command->callback([options] { validate(*options); });
+  command->callback([options] {
+    if (options->input.humanoids.empty() && std::filesystem::exists(kHumanoid)) {
+      options->input.humanoids = {kHumanoid};
+    }
+    validate(*options);
+  });
 }
 
 }  // namespace torso::tools

@@ -92,7 +92,8 @@ const DiscLoad& Loading::at(const std::string& disc) const {
 }
 
 ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
-                              const Activity& activity, bool muscles) {
+                              const Activity& activity, bool muscles,
+                              const Assumptions& assumptions) {
   const mjModel* m = body.model();
   mjData* d = body.data();
   ActivityLoads result;
@@ -106,7 +107,7 @@ ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
   const VectorXd sections = moments.sections();
   VectorXd always = VectorXd::Zero(sections.size());
   double free = 1;
-  if (activity.held != Held::kBed) {
+  if (assumptions.coactivation && activity.held != Held::kBed) {
     const double share = coactivation(activity.load);
     always = share * kLargestMuscleStress * sections;
     for (std::size_t i = 0; i < moments.muscles().size(); i++) {
@@ -118,7 +119,7 @@ ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
   for (int round = 0; round < kMaxRounds && activity.held != Held::kBed; round++) {
     const double weight =
         moments.externalMoments(d)[3 * kL4L5 + 1] - abdominalMoment(body, moments.cuts()[kL4L5]);
-    result.abdominal_pressure = abdominalPressure(weight);
+    if (assumptions.abdomen) result.abdominal_pressure = abdominalPressure(weight);
     body.pressurise(result.abdominal_pressure);
     const Eigen::MatrixXd arms = moments.arms(d);
     const VectorXd demand = moments.servoMoments(d) + arms * (moments.tensions(d) - always);

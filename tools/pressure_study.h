@@ -72,6 +72,12 @@ double abdominalPressure(double moment);
 // between as the load [kg].
 double coactivation(double load);
 
+// What muscles are helped or hindered by.
+struct Assumptions {
+  bool abdomen = true;       // pressure in the abdomen goes with the moment at L4/L5
+  bool coactivation = true;  // of abdominal and back muscles
+};
+
 // Puts the body in the posture, lets the servos hold it, and, if asked for, lets muscles take over,
 // helped by the pressure in the abdomen that goes with the moment at L4/L5: their tensions are
 // coactivation, and on top of it those of least stress (model/muscle_stress.h) that give the
@@ -80,6 +86,7 @@ double coactivation(double load);
 // bed muscles are silent (relaxed muscles show no EMG: Basmajian and De Luca 1985, Muscles Alive)
 // and the bed holds the posture, which the servos stand for. Throws Error.
 ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
-                              const Activity& activity, bool muscles);
+                              const Activity& activity, bool muscles,
+                              const Assumptions& assumptions = {});
 
 }  // namespace torso::tools

@@ -27,6 +27,20 @@ std::vector<Section> validationSections(const ValidationInput& input) {
        {"torso", "info", human},
        1,
        infoRows},
+      {"info_simple",
+       "The model with three ball joints in the spine's place",
+       "What users compare the torso with: the same bones and masses.",
+       {"torso", "info", mjcfFolder() + "/human_simple.xml"},
+       {},
+       1,
+       kindRows},
+      {"info_fixed",
+       "The model with a rigid torso",
+       "",
+       {"torso", "info", mjcfFolder() + "/human_fixed.xml"},
+       {},
+       1,
+       kindRows},
       {"bones",
        "Bones",
        "Measures of the generated bones beside published ones, and whether bones, discs and joints "
@@ -90,12 +104,44 @@ std::vector<Section> validationSections(const ValidationInput& input) {
        shoulderRows},
       {"pressure",
        "Pressure in L4/L5",
-       "The body in postures in which the pressure in the nucleus was measured in one man, held by "
-       "servos and by muscles. Inside: within 15 % in standing and holding, 30 % elsewhere.",
+       "The body, with the mass and the disc of the one man in whom the pressure in the nucleus "
+       "was "
+       "measured, in his postures, held by servos and by muscles. Inside: within 15 % in standing "
+       "and holding, 30 % elsewhere.",
        {"torso", "pressure", "--plot", "pressure"},
        {"torso", "pressure", "--activity", "standing"},
        30,
        pressureRows},
+      {"pressure_tables",
+       "Pressure in L4/L5 of the models",
+       "The same on the models' own body, whose disc is smaller; \"muscles\" and \"servos only\": "
+       "if "
+       "the same force were on a disc of the man's area.",
+       {"torso", "pressure", "--body", "tables"},
+       {},
+       30,
+       pressureRows},
+      {"pressure_no_abdomen",
+       "Without pressure in the abdomen",
+       "What that pressure takes off the disc.",
+       {"torso", "pressure", "--without", "abdomen"},
+       {},
+       30,
+       pressureRows},
+      {"pressure_no_coactivation",
+       "Without coactivation",
+       "What muscles that work against each other put on the disc.",
+       {"torso", "pressure", "--without", "coactivation"},
+       {},
+       30,
+       pressureRows},
+      {"muscles",
+       "Moment arms of muscles",
+       "Standing, one side, weighted by cross-section.",
+       {"torso", "pressure", "--arms"},
+       {},
+       2,
+       armRows},
       {"run", "Falls of 2 m, random controls",
        "At 600 Hz: no number may go wrong and no table overflow.",
        run({"--seeds", "40", "--seconds", "5", "--threads", "2"}),
@@ -142,16 +188,44 @@ std::vector<Section> validationSections(const ValidationInput& input) {
   const auto absolute = [](const std::string& path) {
     return std::filesystem::absolute(path).lexically_normal().string();
   };
+  const auto name = [&](const std::string& path) {
+    return std::filesystem::path(absolute(path)).stem().string();
+  };
+  int count = 0;
+  for (const std::string& humanoid : input.humanoids) {
+    const std::string id = "graft" + std::to_string(++count);
+    const std::string grafted = id + "/humanoid.xml";
+    all.push_back({id,
+                   "Graft: " + name(humanoid),
+                   "The torso in the place of a humanoid's own, without a map.",
+                   {"torso", "graft", absolute(humanoid), "-o", grafted},
+                   {},
+                   2,
+                   graftRows});
+    all.push_back(
+        {id + "_drop",
+         "Graft, dropped: " + name(humanoid),
+         "From 1 m with random controls.",
+         {"torso", "run", grafted, "--drop", "1", "--control", "random", "--seconds", "5"},
+         {},
+         5,
+         runRows});
+  }
   if (!input.clips.empty()) {
+    const Words print = {"cat", absolute(input.clips) + "/summary.csv"};
+    all.push_back({"retrofit", "Motion capture, retrofitted clips",
+                   "What torso retrofit has written there: how well spine and shoulders reach the "
+                   "clip's pelvis, head and upper arms.",
+                   print, print, 0, retrofitRows});
     all.push_back({"stats",
                    "Motion capture, statistics of clips",
                    "Retrofitted clips: how far levels move and how near vertebrae come.",
-                   {"torso", "stats", absolute(input.clips), "--plot", "stats"},
+                   {"torso", "stats", absolute(input.clips), "--every", "15", "--plot", "stats"},
                    {"torso", "stats", absolute(input.clips), "--only-whole"},
                    600,
                    plainRows});
   }
-  int count = 0;
+  count = 0;
   for (const std::string& folder : input.optimized) {
     const Words print = {"cat", absolute(folder) + "/result.json"};
     all.push_back(
@@ -162,7 +236,7 @@ std::vector<Section> validationSections(const ValidationInput& input) {
   if (!input.build.empty()) {
     const std::string tests =
         "Posture|CarryTheWeight|Conservation|DiscBatch.*Motion|StiffnessConverges|CalculiX|"
-        "[Pp]erson|Viscosity";
+        "[Pp]erson|Viscosity|TorsoKinds|TwoRigs";
     all.push_back({"tests",
                    "Tests that print figures",
                    "What the project's tests say of posture, conservation, convergence and "
@@ -171,6 +245,14 @@ std::vector<Section> validationSections(const ValidationInput& input) {
                    {},
                    300,
                    testRows});
+    all.push_back({"rollouts",
+                   "Rollouts",
+                   "torso_rollout: a trajectory of 0.1 s in threads, and its overhead over a plain "
+                   "loop of mj_step.",
+                   {absolute(input.build) + "/tests/benchmark/rollout_benchmark"},
+                   {},
+                   25,
+                   benchmarkRows});
   }
   return all;
 }
