@@ -171,6 +171,9 @@ void perform(const std::vector<std::string>& words, const std::string& folder,
   const std::string out = hidden + ".out", err = hidden + ".err";
   const std::string own = folder + "/" + id;
   std::filesystem::remove_all(own);  // pictures of another time
+  // Files of their own, not those that a command of a killed run may still be writing.
+  std::filesystem::remove(out);
+  std::filesystem::remove(err);
   makeFolder(own);
   try {
     const pid_t child = start(words, folder, out, err);
