@@ -50,10 +50,13 @@ Json describe(const Loading& loading) {
 Json describe(const std::vector<ActivityLoads>& all, const Options& options) {
   Json activities = Json::array();
   for (const ActivityLoads& loads : all) {
-    Json entry = {{"activity", loads.activity.name},
-                  {"title", loads.activity.title},
-                  {"measured_mpa", loads.activity.pressure / 1e6},
-                  {"servos", describe(loads.servos)}};
+    Json entry = {
+        {"activity", loads.activity.name},
+        {"title", loads.activity.title},
+        {"measured_mpa", loads.activity.pressure / 1e6},
+        {"measured_as_force_n", loads.activity.pressure * kForceOverPressure * kSubjectsArea},
+        {"published_l3_l4_n", loads.activity.l3_load},
+        {"servos", describe(loads.servos)}};
     if (!loads.muscles.discs.empty()) {
       entry["muscles"] = describe(loads.muscles);
       entry["muscle_forces_n"] = loads.group_force;

@@ -60,7 +60,7 @@ void validate(const Options& options) {
   const std::vector<Section> sections = chosen(options);
   if (options.list) {
     for (const Section& section : sections) {
-      fmt::print("{:<12}{:<44}{}\n", section.id, section.title,
+      fmt::print("{:<26}{:<56}{}\n", section.id, section.title,
                  fmt::join(options.short_form ? section.short_arguments : section.arguments, " "));
     }
     return;
@@ -99,7 +99,7 @@ void validate(const Options& options) {
     std::cout << json.dump(2) << '\n';
   } else {
     for (std::size_t i = 0; i < results.size(); i++) {
-      fmt::print("{:<12}{:>8.1f} s  {}\n", sections[i].id, results[i].seconds,
+      fmt::print("{:<26}{:>8.1f} s  {}\n", sections[i].id, results[i].seconds,
                  results[i].failed ? "failed: " + results[i].message : "done");
     }
     fmt::print("{}\n", page);

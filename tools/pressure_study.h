@@ -18,6 +18,9 @@ constexpr const char* kMeasuredDisc = "L4/L5";
 // In the nucleus of a disc under no load [Pa], for the ligaments press on it and it swells:
 // Nachemson and Evans 1968, J Biomech 1:211-220. Pressures of our discs are above it.
 constexpr double kUnloadedPressure = 0.07e6;
+// Compression over disc area and nucleus pressure of healthy discs in the laboratory: Nachemson
+// 1960, Acta Orthop Scand Suppl 43. Others find 0.60 - 0.77.
+constexpr double kForceOverPressure = 0.66;
 
 struct DiscLoad {
   std::string disc;

@@ -9,10 +9,6 @@
 namespace torso::tools {
 namespace {
 
-// Compression over disc area and nucleus pressure of healthy discs in the laboratory: Nachemson
-// 1960, Acta Orthop Scand Suppl 43. Others find 0.60 - 0.77.
-constexpr double kForceOverPressure = 0.66;
-
 constexpr const char* kLevels[] = {"L5/S1", "L4/L5",  "L3/L4",  "L2/L3",
                                    "L1/L2", "T12/L1", "T9/T10", "T6/T7"};
 constexpr const char* kNachemsonsDisc = "L3/L4";
@@ -82,7 +78,7 @@ void printBalance(const std::vector<ActivityLoads>& all) {
                  -b.abdomen, loads.abdominal_pressure / 1e3, -b.passive(), b.muscle_pull,
                  -1e3 * b.muscles / b.muscle_pull);
       fmt::print("{:>7.0f}{:>9.0f}{:>7.2f}\n", disc.compression,
-                 kForceOverPressure * kSubjectsArea * loads.activity.pressure,
+                 loads.activity.pressure * kForceOverPressure * kSubjectsArea,
                  disc.nucleus_pressure * disc.area / disc.compression);
     }
   }

@@ -203,13 +203,39 @@ std::vector<Row> pressureRows(const Json& j) {
     const auto plain = [&](const char* what, const std::string& value) {
       rows.push_back({title + ", " + what, value, ""});
     };
-    plain("compression", number(discOf(a["muscles"], disc).at("compression_n"), "N"));
+    rows.push_back({title + ", compression",
+                    number(discOf(a["muscles"], disc).at("compression_n"), "N"),
+                    number(a.at("measured_as_force_n"), "N"), std::nullopt,
+                    "Nachemson 1960, of the measured pressure"});
+    const double l3 = a.at("published_l3_l4_n");
+    rows.push_back({title + ", compression of L3/L4",
+                    number(discOf(a["muscles"], "L3/L4").at("compression_n"), "N"),
+                    l3 > 0 ? number(l3, "N") : "", std::nullopt,
+                    l3 > 0 ? "Nachemson 1966 - 1970" : ""});
+    std::string levels;
+    for (const Json& level : a["muscles"].at("discs")) {
+      levels += fmt::format("{}{} {:.2f}", levels.empty() ? "" : ", ",
+                            level.at("disc").get<std::string>(),
+                            level.at("nucleus_pressure_mpa").get<double>());
+    }
+    plain("pressure in all nuclei [MPa]", levels);
+    plain("lean of the body", number(a.at("lean_deg"), "deg"));
+    double left = 0;
+    for (const Json& moment : a["muscles"].at("servo_flexion_moments_nm")) {
+      left = std::max(left, std::abs(moment.get<double>()));
+    }
+    plain("most that servos still give", number(left, "Nm"));
     plain("compression, servos only", number(discOf(a["servos"], disc).at("compression_n"), "N"));
     plain("pressure in the abdomen", number(a.at("abdominal_pressure_kpa"), "kPa"));
     for (const Json& b : a.at("balance")) {
       if (b.at("disc") != disc) continue;
       plain("moment of weight and load", number(b.at("weight_nm"), "Nm"));
-      plain("muscles' pull along the disc", number(b.at("muscle_pull_n"), "N"));
+      const double moment = b.at("muscles_nm"), pull = b.at("muscle_pull_n");
+      plain("moments of muscles, abdomen and spine",
+            fmt::format("{:.0f}, {:.1f}, {:.1f} Nm", -moment, -b.at("abdomen_nm").get<double>(),
+                        -b.at("passive_nm").get<double>()));
+      plain("muscles' pull along the disc", number(pull, "N"));
+      plain("its arm behind the disc", number(pull > 0 ? -1e3 * moment / pull : 0, "mm"));
       plain("push of the abdomen", number(b.at("abdomen_push_n"), "N"));
     }
   }
