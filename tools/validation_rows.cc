@@ -111,40 +111,6 @@ std::vector<Row> discRows(const Json& j) {
   return rows;
 }
 
-std::vector<Row> romRows(const Json& j) {
-  std::vector<Row> rows;
-  for (const Json& m : j.at("motions")) {
-    rows.push_back({m.at("disc").get<std::string>() + " " + text(m.at("motion")),
-                    number(m.at("ours_deg"), "deg"),
-                    number(m.at("mean_deg"), "deg") + range(m.at("low_deg"), m.at("high_deg")),
-                    m.at("inside").get<bool>(), m.at("sources")});
-  }
-  rows.insert(rows.begin(), count("range of motion of segments", rows, "published ranges"));
-  return rows;
-}
-
-std::vector<Row> wholeSpineRows(const Json& j) {
-  std::vector<Row> rows;
-  for (const Json& r : j.at("regions")) {
-    const std::string name = r.at("region").get<std::string>() + " " + text(r.at("motion"));
-    const double ours = r.at("voluntary_deg"), published = r.at("in_vivo_deg");
-    rows.push_back(headline(
-        {name + ", voluntary", number(ours, "deg"),
-         fmt::format("{} ({:+.0f} %)", number(published, "deg"), 100 * (ours / published - 1)),
-         r.at("inside").get<bool>(), r.at("source")}));
-    rows.push_back({name + ", laboratory moments", number(r.at("laboratory_deg"), "deg"), ""});
-    if (!r.contains("published_without_ribcage")) continue;
-    const double more =
-        100 * (r.at("without_ribcage_deg").get<double>() / r["laboratory_deg"].get<double>() - 1);
-    for (const Json& p : r["published_without_ribcage"]) {
-      rows.push_back({name + ", wider without rib cage", fmt::format("{:+.0f} %", more),
-                      fmt::format("{:+.0f} %", 100 * p.at("increase").get<double>()), std::nullopt,
-                      p.at("source")});
-    }
-  }
-  return rows;
-}
-
 std::vector<Row> shoulderRows(const Json& j) {
   const double raising = j.at("raising_ratio");
   std::vector<Row> rows = {
@@ -258,31 +224,6 @@ std::vector<Row> armRows(const Json& j) {
   }
   rows.insert(rows.begin(), count("moment arms of muscles", rows, "published ranges"));
   return rows;
-}
-
-std::vector<Row> identifyRows(const Json& j) {
-  std::vector<Row> rows, shorter;
-  for (const Json& disc : j.at("discs")) {
-    const std::string name = disc.at("disc");
-    for (const Json& p : disc.at("poses")) {
-      rows.push_back({name + " " + text(p.at("turn")), number(p.at("reached_deg"), "deg"),
-                      number(p.at("target_deg"), "deg"), p.at("feasible").get<bool>(),
-                      "range_of_motion.csv"});
-    }
-    for (const Json& s : disc.at("a_step_shorter")) {
-      const bool tight = !s.at("loses").is_null() || s.at("slack").get<bool>();
-      shorter.push_back({name + " " + s.at("ligament").get<std::string>() + ", a step shorter",
-                         s.at("slack").get<bool>() ? "slack in all poses"
-                         : tight                   ? "loses a pose"
-                                                   : "loses none",
-                         "loses a pose", tight, "feasibility test of Lee et al. 2023"});
-    }
-  }
-  std::vector<Row> all = {count("extreme poses that random actions reach", rows, "all"),
-                          count("ligaments that could not be shorter", shorter, "all")};
-  all.insert(all.end(), rows.begin(), rows.end());
-  all.insert(all.end(), shorter.begin(), shorter.end());
-  return all;
 }
 
 std::vector<Row> plainRows(const Json& j) {

@@ -17,6 +17,8 @@ std::vector<Row> boneRows(const Json& j);
 std::vector<Row> discRows(const Json& j);
 std::vector<Row> romRows(const Json& j);
 std::vector<Row> wholeSpineRows(const Json& j);
+std::vector<Row> preloadRows(const Json& j);
+std::vector<Row> ablateRows(const Json& j);
 std::vector<Row> shoulderRows(const Json& j);
 std::vector<Row> pressureRows(const Json& j);
 std::vector<Row> armRows(const Json& j);

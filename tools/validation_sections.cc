@@ -65,7 +65,7 @@ std::vector<Section> validationSections(const ValidationInput& input) {
        {"torso", "rom", "--preload"},
        {},
        10,
-       plainRows},
+       preloadRows},
       {"identify",
        "Ligaments",
        "The paper's test of the ligaments' lengths: random actions must reach each extreme pose, "
@@ -80,7 +80,7 @@ std::vector<Section> validationSections(const ValidationInput& input) {
        {"torso", "ablate", "--plot", "ablate"},
        {},
        120,
-       plainRows},
+       ablateRows},
       {"shoulder",
        "Shoulder",
        "Scapulohumeral rhythm: the arm raised in the coronal plane, servos and gravity off.",
