@@ -126,7 +126,7 @@ void addValidate(CLI::App& app) {
       "again.\n"
       "A section that fails is shown as failed, and the exit status is 1.\n\n"
       "Examples:\n"
-      "  torso validate -o report                     half an hour on two cores\n"
+      "  torso validate -o report                     13 minutes on two idle cores\n"
       "  torso validate --short -o short              half a minute, for continuous integration\n"
       "  torso validate --only rom,pressure\n"
       "  torso validate -o report --clips out --optimized swing,jump --tests build");

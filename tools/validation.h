@@ -27,7 +27,7 @@ struct Section {
   // Of torso, without --json; run in the report's folder, where "ID" is a folder for plots and
   // files.
   std::vector<std::string> arguments, short_arguments;  // none: not in the short form
-  double seconds;                                       // that it takes about, on one idle core
+  double seconds;                                       // that it takes about, on two idle cores
   std::function<std::vector<Row>(const Json&)> rows;
 };
 
