@@ -15,7 +15,10 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double kSmallMoment = 1, kStill = 0.1;  // [Nm]
-constexpr int kMaxRounds = 8;
+constexpr int kMaxRounds = 12;
+// Of the way to new tensions, after the first round: the body gives way, so that whole steps
+// overshoot by half.
+constexpr double kLaterSteps = 0.5;
 constexpr int kL4L5 = 1;  // among the cuts
 
 Loading loading(PosedBody& body, const MuscleMoments& moments) {
@@ -123,8 +126,10 @@ ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
     body.pressurise(result.abdominal_pressure);
     const Eigen::MatrixXd arms = moments.arms(d);
     const VectorXd demand = moments.servoMoments(d) + arms * (moments.tensions(d) - always);
-    moments.setTensions(
-        d, always + leastStressForces(arms, demand, sections, free * kLargestMuscleStress));
+    const VectorXd least =
+        always + leastStressForces(arms, demand, sections, free * kLargestMuscleStress);
+    const double step = round == 0 ? 1 : kLaterSteps;
+    moments.setTensions(d, moments.tensions(d) + step * (least - moments.tensions(d)));
     body.settle();
     const double now = moments.servoMoments(d).lpNorm<Eigen::Infinity>();
     if (now < kSmallMoment || std::abs(now - before) < kStill) break;

@@ -206,7 +206,7 @@ TEST_F(Pressure, IsTheMeasuredOne) {
     EXPECT_GT(loads.muscles.at(kMeasuredDisc).compression,
               1.1 * loads.servos.at(kMeasuredDisc).compression);
     // Muscles are strong enough.
-    for (const double moment : loads.muscles.servo_moments) EXPECT_LT(std::abs(moment), 7);
+    for (const double moment : loads.muscles.servo_moments) EXPECT_LT(std::abs(moment), 4);
   }
   std::sort(upright.begin(), upright.end());
   for (std::size_t i = 1; i < upright.size(); i++) {
