@@ -73,9 +73,11 @@ void printBalance(const std::vector<ActivityLoads>& all) {
     for (const Balance& b : loads.balance) {
       if (b.disc != kMeasuredDisc) continue;
       const DiscLoad& disc = loads.muscles.at(kMeasuredDisc);
+      // Rounded here, for fmt 9.1 writes -9.99946 as "-10.".
+      const double lean = std::round(loads.lean * 1800 / EIGEN_PI) / 10;
       fmt::print("{:<38}{:>6.1f}{:>8.0f}{:>9.0f}{:>7.1f}{:>7.1f}{:>7.1f}{:>7.0f}{:>5.0f}",
-                 loads.activity.title, loads.lean * 180 / EIGEN_PI, b.external, -b.muscles,
-                 -b.abdomen, loads.abdominal_pressure / 1e3, -b.passive(), b.muscle_pull,
+                 loads.activity.title, lean, b.external, -b.muscles, -b.abdomen,
+                 loads.abdominal_pressure / 1e3, -b.passive(), b.muscle_pull,
                  -1e3 * b.muscles / b.muscle_pull);
       fmt::print("{:>7.0f}{:>9.0f}{:>7.2f}\n", disc.compression,
                  loads.activity.pressure * kForceOverPressure * kSubjectsArea,
