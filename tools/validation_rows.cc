@@ -48,10 +48,9 @@ std::vector<Row> kindRows(const Json& j) {
 }
 
 std::vector<Row> graftRows(const Json& j) {
-  const auto both = [&](const char* what, const char* unit, const char* format) {
-    return fmt::format(fmt::runtime(format),
-                       j.at(fmt::format("{}_before_{}", what, unit)).get<double>(),
-                       j.at(fmt::format("{}_after_{}", what, unit)).get<double>());
+  const auto both = [&](const std::string& what, const std::string& unit, int digits) {
+    return fmt::format("{:.{}f} -> {:.{}f}", j.at(what + "_before_" + unit).get<double>(), digits,
+                       j.at(what + "_after_" + unit).get<double>(), digits);
   };
   int removed = 0, changed = 0;
   for (const Json& c : j.at("changes")) {
@@ -60,8 +59,8 @@ std::vector<Row> graftRows(const Json& j) {
     changed += c.at("action") == "changed";
   }
   return {
-      {"mass [kg]", both("mass", "kg", "{:.2f} -> {:.2f}"), ""},
-      {"hip to shoulder [m]", both("hip_to_shoulder", "m", "{:.3f} -> {:.3f}"), ""},
+      {"mass [kg]", both("mass", "kg", 2), ""},
+      {"hip to shoulder [m]", both("hip_to_shoulder", "m", 3), ""},
       {"limb joints kept", number(j.at("limb_joints")), ""},
       {"trunk actuators", fmt::format("{} as servos of levels, {} removed", changed, removed), ""}};
 }
