@@ -137,7 +137,9 @@ void pressure(const Options& options) {
     for (const Activity& activity : chosen) {
       bar.show(static_cast<double>(results.size()) / chosen.size());
       results.push_back(measureActivity(body, moments, activity, options.muscles, assumptions));
-      if (!options.plot.empty()) writePosture(options.plot + "/" + activity.name + ".png", body);
+      // Who lies is simulated upright, under gravity from another side.
+      if (options.plot.empty() || activity.held == Held::kBed) continue;
+      writePosture(options.plot + "/" + activity.name + ".png", body);
     }
   }
   if (!options.plot.empty()) {

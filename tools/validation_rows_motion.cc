@@ -283,8 +283,11 @@ std::vector<Row> testRows(const Json& j) {
   for (std::string line; std::getline(lines, line);) {
     const std::size_t run = line.find("[ RUN      ] ");
     if (run != std::string::npos) name = line.substr(run + 13);
-    passed += line.find(" Passed ") != std::string::npos;
-    all += line.find(" Test #") != std::string::npos && line.find(" sec") != std::string::npos;
+    // " 7/46 Test  #78: name ... Passed  1.2 sec"
+    if (line.find(" Test ") < line.find('#') && line.find(" sec") != std::string::npos) {
+      all++;
+      passed += line.find(" Passed ") != std::string::npos;
+    }
     // "12: text": what a test prints.
     const std::size_t colon = line.find(": ");
     if (colon == std::string::npos || colon > 5) continue;
