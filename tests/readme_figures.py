@@ -24,8 +24,8 @@ def main(readme_path, page_path):
     missing = 0
     for line in part.splitlines():
         text = re.sub(r"`[^`]*`|\([^)]*(?:19|20)\d\d[^)]*\)", " ", line)  # commands, publications
-        # Names of levels, years and dimensions are no figures.
-        text = re.sub(r"\b[CTLS]\d+(?:/[CTLS]\d+)?\b|\b(?:19|20)\d\d\b", " ", text)
+        # Names of levels and of processors, years and dimensions are no figures.
+        text = re.sub(r"\b[CTLS]\d+(?:/[CTLS]\d+)?\b|\b(?:19|20)\d\d\b|AVX-?\d+", " ", text)
         lost = []
         for n in NUMBER.findall(text):
             decimals = len(n.split(".")[1]) if "." in n and "e" not in n else 0

@@ -15,6 +15,7 @@
 #include "tools/error.h"
 #include "tools/files.h"
 #include "tools/gnuplot.h"
+#include "tools/measured_man.h"
 #include "tools/muscle_arms.h"
 #include "tools/paths.h"
 #include "tools/pressure_plots.h"
@@ -28,8 +29,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::vector<std::string> activities;
-  std::string plot;
+  std::vector<std::string> activities, without;
+  std::string plot, body = "measured";
   bool muscles = true, json = false, arms = false, explain = false;
 };
 
@@ -46,13 +47,16 @@ Json describe(const Loading& loading) {
   return {{"discs", discs}, {"servo_flexion_moments_nm", loading.servo_moments}};
 }
 
-Json describe(const std::vector<ActivityLoads>& all) {
+Json describe(const std::vector<ActivityLoads>& all, const Options& options) {
   Json activities = Json::array();
   for (const ActivityLoads& loads : all) {
-    Json entry = {{"activity", loads.activity.name},
-                  {"title", loads.activity.title},
-                  {"measured_mpa", loads.activity.pressure / 1e6},
-                  {"servos", describe(loads.servos)}};
+    Json entry = {
+        {"activity", loads.activity.name},
+        {"title", loads.activity.title},
+        {"measured_mpa", loads.activity.pressure / 1e6},
+        {"measured_as_force_n", loads.activity.pressure * kForceOverPressure * kSubjectsArea},
+        {"published_l3_l4_n", loads.activity.l3_load},
+        {"servos", describe(loads.servos)}};
     if (!loads.muscles.discs.empty()) {
       entry["muscles"] = describe(loads.muscles);
       entry["muscle_forces_n"] = loads.group_force;
@@ -72,12 +76,29 @@ Json describe(const std::vector<ActivityLoads>& all) {
     }
     activities.push_back(entry);
   }
-  return {{"disc", kMeasuredDisc}, {"activities", activities}};
+  return {{"disc", kMeasuredDisc},
+          {"body", options.body},
+          {"without", options.without},
+          {"activities", activities}};
+}
+
+Json describe(const std::vector<MuscleArm>& arms) {
+  Json result = Json::array();
+  for (const MuscleArm& a : arms) {
+    result.push_back({{"muscle", a.muscle},
+                      {"disc", a.disc},
+                      {"behind_mm", 1e3 * a.behind},
+                      {"behind_published_mm", {1e3 * a.behind_low, 1e3 * a.behind_high}},
+                      {"beside_mm", 1e3 * a.beside},
+                      {"beside_published_mm", {1e3 * a.beside_low, 1e3 * a.beside_high}}});
+  }
+  return {{"arms", result}};
 }
 
 void pressure(const Options& options) {
   if (options.explain && !options.muscles) throw Error("--explain is about muscles: it needs them");
-  const Anatomy anatomy = Anatomy::load(anatomyFolder());
+  const Anatomy tables = Anatomy::load(anatomyFolder());
+  const Anatomy anatomy = options.body == "tables" ? tables : measuredMan(tables);
   std::vector<Activity> chosen, all = readActivities(anatomyFolder());
   for (const Activity& activity : all) {
     if (options.activities.empty()) chosen.push_back(activity);
@@ -98,16 +119,27 @@ void pressure(const Options& options) {
   PosedBody body(anatomy, skeleton, options.plot.empty() ? "" : mjcfFolder() + "/assets");
   const MuscleMoments moments(body.model());
   if (options.arms) {
-    printArms(measureArms(anatomy, anatomyFolder(), body.model(), body.data(), moments));
+    const auto arms = measureArms(anatomy, anatomyFolder(), body.model(), body.data(), moments);
+    if (options.json) {
+      std::cout << describe(arms).dump(2) << '\n';
+    } else {
+      printArms(arms);
+    }
     return;
+  }
+  Assumptions assumptions;
+  for (const std::string& part : options.without) {
+    (part == "abdomen" ? assumptions.abdomen : assumptions.coactivation) = false;
   }
   std::vector<ActivityLoads> results;
   {
     const ProgressBar bar;
     for (const Activity& activity : chosen) {
       bar.show(static_cast<double>(results.size()) / chosen.size());
-      results.push_back(measureActivity(body, moments, activity, options.muscles));
-      if (!options.plot.empty()) writePosture(options.plot + "/" + activity.name + ".png", body);
+      results.push_back(measureActivity(body, moments, activity, options.muscles, assumptions));
+      // Who lies is simulated upright, under gravity from another side.
+      if (options.plot.empty() || activity.held == Held::kBed) continue;
+      writePosture(options.plot + "/" + activity.name + ".png", body);
     }
   }
   if (!options.plot.empty()) {
@@ -115,7 +147,7 @@ void pressure(const Options& options) {
     runGnuplot("pressure", options.plot, "pressure.gp");
   }
   if (options.json) {
-    std::cout << describe(results).dump(2) << '\n';
+    std::cout << describe(results, options).dump(2) << '\n';
   } else {
     printPressures(results);
     if (options.explain) {
@@ -136,15 +168,27 @@ void addPressure(CLI::App& app) {
       "rest, held by its servos, and then by muscles that give the servos' moments about the "
       "discs\n"
       "L5/S1 to T12/L1 with the least sum of squared stresses. The measured pressure is that in\n"
-      "the nucleus of L4/L5 (Wilke et al. 1999, 2001).\n\n"
+      "the nucleus of L4/L5 of one man (Wilke et al. 1999, 2001). The body is the tables' man with "
+      "his\n"
+      "mass and lumbar discs as large as his; --body tables: with the discs of the models.\n\n"
       "Examples:\n"
       "  torso pressure\n"
+      "  torso pressure --body tables\n"
       "  torso pressure --activity standing hold_close --no-muscles\n"
       "  torso pressure --explain --plot out\n"
       "  torso pressure --json | jq '.activities[] | .muscles.discs'");
   command->add_option("--activity", options->activities, "Only these, by their names in the table");
+  command
+      ->add_option("--body", options->body, "Whose discs: those of the measured man or the tables'")
+      ->check(CLI::IsMember({"measured", "tables"}))
+      ->capture_default_str();
   command->add_flag("--muscles,!--no-muscles", options->muscles,
                     "Whether muscles take over from the servos (default: they do)");
+  command
+      ->add_option("--without", options->without,
+                   "Leave out pressure in the abdomen or the muscles' coactivation")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"abdomen", "coactivation"}));
   command->add_flag("--arms", options->arms,
                     "Print the muscles' moment arms beside published ones, and do no more");
   command->add_flag("--explain", options->explain,

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/loft.h"
 #include "tools/error.h"
+#include "tools/measured_man.h"
 #include "tools/mjcf.h"
 #include "tools/torso_mjcf.h"
 
@@ -48,6 +48,12 @@ constexpr const char* kLoad = "load";
 const Vector3d kCrate(0.15, 0.2, 0.14);  // half its sizes
 
 constexpr const char* kHeld[] = {"pelvis", "left_foot", "right_foot", "ribcage", "head"};
+
+// A bed holds thorax and head against sinking and turning, but lets them slide along the body: skin
+// and mattress resist that with some 10 N/mm (estimated), the lumbar spine with 150. They lie on
+// sleds without mass, of this armature [kg] and damping [Ns/m], which come to rest soon.
+constexpr double kSledArmature = 10, kSledDamping = 1e3;
+bool liesOnSled(const std::string& body) { return body == "ribcage" || body == "head"; }
 
 Isometry3d pitchAbout(const Vector3d& point, double pitch) {
   Isometry3d X = Isometry3d::Identity();
@@ -94,17 +100,7 @@ void moveFree(const mjModel* m, mjData* d, const std::string& body, const Isomet
 
 }  // namespace
 
-double PosedBody::discArea(int disc) const {
-  const DiscShape& shape = anatomy_.discs[disc].shape;
-  constexpr int kPoints = 72;
-  const auto outline = endplateOutline(shape.width, shape.depth, kPoints);
-  double area = 0;
-  for (int i = 0; i < kPoints; i++) {
-    const Eigen::Vector2d &p = outline[i], &q = outline[(i + 1) % kPoints];
-    area += (p.x() * q.y() - p.y() * q.x()) / 2;
-  }
-  return area;
-}
+double PosedBody::discArea(int disc) const { return outlineArea(anatomy_.discs[disc].shape); }
 
 PosedBody::PosedBody(const Anatomy& anatomy, const Skeleton& skeleton, const std::string& bones)
     : anatomy_(anatomy) {
@@ -132,10 +128,24 @@ PosedBody::PosedBody(const Anatomy& anatomy, const Skeleton& skeleton, const std
         .set("mass", 0);
   }
   tinyxml2::XMLElement* equality = document.RootElement()->FirstChildElement("equality");
-  for (const char* body : kHeld) {
+  for (const std::string body : kHeld) {
     tinyxml2::XMLElement* weld = document.NewElement("weld");
-    weld->SetAttribute("name", (std::string("held_") + body).c_str());
-    weld->SetAttribute("body1", body);
+    weld->SetAttribute("name", ("held_" + body).c_str());
+    weld->SetAttribute("body1", body.c_str());
+    if (liesOnSled(body)) {
+      Element sled(document.RootElement()->FirstChildElement("worldbody"), "body");
+      sled.set("name", "bed_" + body);
+      Element(sled, "joint")
+          .set("type", "slide")
+          .set("axis", {0, 0, 1})
+          .set("armature", kSledArmature)
+          .set("damping", kSledDamping);
+      Element(sled, "inertial")
+          .set("pos", {0, 0, 0})
+          .set("mass", 1e-6)
+          .set("diaginertia", {1e-6, 1e-6, 1e-6});
+      weld->SetAttribute("body2", ("bed_" + body).c_str());
+    }
     weld->SetAttribute("solref", "0.01 1");
     equality->InsertEndChild(weld);
   }
@@ -314,8 +324,7 @@ void PosedBody::take(const Activity& a) {
   for (const std::string body : kHeld) {
     const int e = mj_name2id(m, mjOBJ_EQUALITY, ("held_" + body).c_str());
     const int b = bodyId(m, body);
-    const bool bed = body == "ribcage" || body == "head";
-    m->eq_active[e] = !bed || a.held == Held::kBed;
+    m->eq_active[e] = !liesOnSled(body) || a.held == Held::kBed;
     mjtNum* data = m->eq_data + mjNEQDATA * e;  // anchor in the world; the world in the body
     mju_zero3(data);
     const Vector3d to_world = -Vector3d(d->xpos + 3 * b);

@@ -13,10 +13,11 @@
 namespace torso::tools {
 
 // A whole body with muscles that can be put into postures: pelvis, and feet or thorax and head, are
-// held where they are put, which spares the legs to balance and changes nothing for the spine. Arms
-// and legs are forty times as stiff as their servos, for they only have to carry; like those of
-// thorax and neck their servos correct their targets until the posture is the one asked for. Servos
-// of the lumbar spine are as ever. None have limits.
+// held where they are put (on a bed thorax and head may slide along the body), which spares the
+// legs to balance and changes nothing for the spine. Arms and legs are forty times as stiff as
+// their servos, for they only have to carry; like those of thorax and neck their servos correct
+// their targets until the posture is the one asked for. Servos of the lumbar spine are as ever.
+// None have limits.
 class PosedBody {
  public:
   // skeleton: of all bones. bones: folder of the bones' meshes, to be seen in

@@ -12,7 +12,7 @@ void writePressurePlot(const std::string& folder, const std::string& disc,
                        const std::vector<ActivityLoads>& all) {
   makeFolder(folder);
   std::string table = "activity,measured_mpa,servos_mpa,muscles_mpa,muscles_our_disc_mpa\n";
-  bool muscles = false;
+  bool muscles = false, smaller = false;  // than the measured man's disc
   for (const ActivityLoads& loads : all) {
     const auto mpa = [](double pascal) { return fmt::format("{:.4f}", pascal / 1e6); };
     table += fmt::format("{},{},{}", loads.activity.title, mpa(loads.activity.pressure),
@@ -21,6 +21,7 @@ void writePressurePlot(const std::string& folder, const std::string& disc,
       muscles = true;
       const DiscLoad& with = loads.muscles.at(disc);
       table += "," + mpa(with.pressureOnSubjectsArea()) + "," + mpa(with.nucleus_pressure);
+      smaller = with.area < 0.99 * kSubjectsArea;
     } else {
       table += ",,";
     }
@@ -40,9 +41,11 @@ void writePressurePlot(const std::string& folder, const std::string& disc,
       "  '' skip 1 using 3 lc rgb '#a9c4e4' title 'ours, servos only'",
       disc);
   if (muscles) {
+    script += ", \\\n  '' skip 1 using 4 lc rgb '#1b3a6b' title 'ours, muscles'";
+  }
+  if (smaller) {
     script +=
-        ", \\\n  '' skip 1 using 4 lc rgb '#1b3a6b' title 'ours, muscles', \\\n"
-        "  '' skip 1 using 5 lc rgb '#d9e3f0' title 'ours, muscles, on our smaller disc'";
+        ", \\\n  '' skip 1 using 5 lc rgb '#d9e3f0' title 'ours, muscles, on our smaller disc'";
   }
   writeFile(folder + "/pressure.gp", script + "\n");
 }

@@ -15,7 +15,10 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double kSmallMoment = 1, kStill = 0.1;  // [Nm]
-constexpr int kMaxRounds = 8;
+constexpr int kMaxRounds = 12;
+// Of the way to new tensions, after the first round: the body gives way, so that whole steps
+// overshoot by half.
+constexpr double kLaterSteps = 0.5;
 constexpr int kL4L5 = 1;  // among the cuts
 
 Loading loading(PosedBody& body, const MuscleMoments& moments) {
@@ -92,7 +95,8 @@ const DiscLoad& Loading::at(const std::string& disc) const {
 }
 
 ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
-                              const Activity& activity, bool muscles) {
+                              const Activity& activity, bool muscles,
+                              const Assumptions& assumptions) {
   const mjModel* m = body.model();
   mjData* d = body.data();
   ActivityLoads result;
@@ -106,7 +110,7 @@ ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
   const VectorXd sections = moments.sections();
   VectorXd always = VectorXd::Zero(sections.size());
   double free = 1;
-  if (activity.held != Held::kBed) {
+  if (assumptions.coactivation && activity.held != Held::kBed) {
     const double share = coactivation(activity.load);
     always = share * kLargestMuscleStress * sections;
     for (std::size_t i = 0; i < moments.muscles().size(); i++) {
@@ -118,12 +122,14 @@ ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
   for (int round = 0; round < kMaxRounds && activity.held != Held::kBed; round++) {
     const double weight =
         moments.externalMoments(d)[3 * kL4L5 + 1] - abdominalMoment(body, moments.cuts()[kL4L5]);
-    result.abdominal_pressure = abdominalPressure(weight);
+    if (assumptions.abdomen) result.abdominal_pressure = abdominalPressure(weight);
     body.pressurise(result.abdominal_pressure);
     const Eigen::MatrixXd arms = moments.arms(d);
     const VectorXd demand = moments.servoMoments(d) + arms * (moments.tensions(d) - always);
-    moments.setTensions(
-        d, always + leastStressForces(arms, demand, sections, free * kLargestMuscleStress));
+    const VectorXd least =
+        always + leastStressForces(arms, demand, sections, free * kLargestMuscleStress);
+    const double step = round == 0 ? 1 : kLaterSteps;
+    moments.setTensions(d, moments.tensions(d) + step * (least - moments.tensions(d)));
     body.settle();
     const double now = moments.servoMoments(d).lpNorm<Eigen::Infinity>();
     if (now < kSmallMoment || std::abs(now - before) < kStill) break;

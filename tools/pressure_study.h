@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tools/activity.h"
+#include "tools/measured_man.h"
 #include "tools/muscle_moments.h"
 #include "tools/posed_body.h"
 
@@ -17,9 +18,9 @@ constexpr const char* kMeasuredDisc = "L4/L5";
 // In the nucleus of a disc under no load [Pa], for the ligaments press on it and it swells:
 // Nachemson and Evans 1968, J Biomech 1:211-220. Pressures of our discs are above it.
 constexpr double kUnloadedPressure = 0.07e6;
-// Of the disc L4/L5 of the man whose pressures were measured [m^2]: Wilke et al. 2001, Clin Biomech
-// 16 Suppl 1:S111-S126.
-constexpr double kSubjectsArea = 1800e-6;
+// Compression over disc area and nucleus pressure of healthy discs in the laboratory: Nachemson
+// 1960, Acta Orthop Scand Suppl 43. Others find 0.60 - 0.77.
+constexpr double kForceOverPressure = 0.66;
 
 struct DiscLoad {
   std::string disc;
@@ -74,6 +75,12 @@ double abdominalPressure(double moment);
 // between as the load [kg].
 double coactivation(double load);
 
+// What muscles are helped or hindered by.
+struct Assumptions {
+  bool abdomen = true;       // pressure in the abdomen goes with the moment at L4/L5
+  bool coactivation = true;  // of abdominal and back muscles
+};
+
 // Puts the body in the posture, lets the servos hold it, and, if asked for, lets muscles take over,
 // helped by the pressure in the abdomen that goes with the moment at L4/L5: their tensions are
 // coactivation, and on top of it those of least stress (model/muscle_stress.h) that give the
@@ -82,6 +89,7 @@ double coactivation(double load);
 // bed muscles are silent (relaxed muscles show no EMG: Basmajian and De Luca 1985, Muscles Alive)
 // and the bed holds the posture, which the servos stand for. Throws Error.
 ActivityLoads measureActivity(PosedBody& body, const MuscleMoments& moments,
-                              const Activity& activity, bool muscles);
+                              const Activity& activity, bool muscles,
+                              const Assumptions& assumptions = {});
 
 }  // namespace torso::tools

@@ -9,10 +9,6 @@
 namespace torso::tools {
 namespace {
 
-// Compression over disc area and nucleus pressure of healthy discs in the laboratory: Nachemson
-// 1960, Acta Orthop Scand Suppl 43. Others find 0.60 - 0.77.
-constexpr double kForceOverPressure = 0.66;
-
 constexpr const char* kLevels[] = {"L5/S1", "L4/L5",  "L3/L4",  "L2/L3",
                                    "L1/L2", "T12/L1", "T9/T10", "T6/T7"};
 constexpr const char* kNachemsonsDisc = "L3/L4";
@@ -27,18 +23,23 @@ double mostServos(const Loading& loading) {
 
 void printPressures(const std::vector<ActivityLoads>& all) {
   const bool muscles = !all.front().muscles.discs.empty();
+  const double area = all.front().servos.at(kMeasuredDisc).area;
+  const bool same_area = std::abs(area / kSubjectsArea - 1) < 1e-3;
   fmt::print(
-      "{}: pressure in the nucleus [MPa] on a disc of the measured man's {:.0f} mm2, in brackets\n"
-      "on ours of {:.0f}; {:.2f} of the unloaded disc included; compression [N]; left: the most\n"
-      "that servos still give at one of the discs from L5/S1 to T12/L1 [Nm]\n",
-      kMeasuredDisc, kSubjectsArea * 1e6, all.front().servos.at(kMeasuredDisc).area * 1e6,
+      "{}: pressure in the nucleus [MPa] on a disc of the measured man's {:.0f} mm2{};\n"
+      "{:.2f} of the unloaded disc included; compression [N]; left: the most that servos still\n"
+      "give at one of the discs from L5/S1 to T12/L1 [Nm]\n",
+      kMeasuredDisc, kSubjectsArea * 1e6,
+      same_area ? "" : fmt::format(", in brackets\non ours of {:.0f}", area * 1e6),
       kUnloadedPressure / 1e6);
   fmt::print("{:<38}{:>8}{:>16}{:>7}", "", "in vivo", "servos only", "[N]");
   if (muscles) fmt::print("{:>16}{:>7}{:>12}{:>7}", "muscles", "[N]", "to in vivo", "left");
   fmt::print("\n");
-  const auto figures = [](const DiscLoad& load) {
-    return fmt::format("{:>9.2f} ({:4.2f}){:>7.0f}", load.pressureOnSubjectsArea() / 1e6,
-                       load.nucleus_pressure / 1e6, load.compression);
+  const auto figures = [&](const DiscLoad& load) {
+    const std::string ours =
+        same_area ? "" : fmt::format(" ({:4.2f})", load.nucleus_pressure / 1e6);
+    return fmt::format("{:>9.2f}{:7}{:>7.0f}", load.pressureOnSubjectsArea() / 1e6, ours,
+                       load.compression);
   };
   for (const ActivityLoads& loads : all) {
     const double measured = loads.activity.pressure;
@@ -72,12 +73,14 @@ void printBalance(const std::vector<ActivityLoads>& all) {
     for (const Balance& b : loads.balance) {
       if (b.disc != kMeasuredDisc) continue;
       const DiscLoad& disc = loads.muscles.at(kMeasuredDisc);
+      // Rounded here, for fmt 9.1 writes -9.99946 as "-10.".
+      const double lean = std::round(loads.lean * 1800 / EIGEN_PI) / 10;
       fmt::print("{:<38}{:>6.1f}{:>8.0f}{:>9.0f}{:>7.1f}{:>7.1f}{:>7.1f}{:>7.0f}{:>5.0f}",
-                 loads.activity.title, loads.lean * 180 / EIGEN_PI, b.external, -b.muscles,
-                 -b.abdomen, loads.abdominal_pressure / 1e3, -b.passive(), b.muscle_pull,
+                 loads.activity.title, lean, b.external, -b.muscles, -b.abdomen,
+                 loads.abdominal_pressure / 1e3, -b.passive(), b.muscle_pull,
                  -1e3 * b.muscles / b.muscle_pull);
       fmt::print("{:>7.0f}{:>9.0f}{:>7.2f}\n", disc.compression,
-                 kForceOverPressure * kSubjectsArea * loads.activity.pressure,
+                 loads.activity.pressure * kForceOverPressure * kSubjectsArea,
                  disc.nucleus_pressure * disc.area / disc.compression);
     }
   }

@@ -24,9 +24,10 @@ struct Row {
 struct Section {
   std::string id;  // of its files and of its part of the page
   std::string title, about;
-  // Of torso, without --json; run in the report's folder, where "ID" may be a folder for plots.
+  // Of torso, without --json; run in the report's folder, where "ID" is a folder for plots and
+  // files.
   std::vector<std::string> arguments, short_arguments;  // none: not in the short form
-  double seconds;                                       // that it takes about, on one idle core
+  double seconds;                                       // that it takes about, on two idle cores
   std::function<std::vector<Row>(const Json&)> rows;
 };
 
@@ -35,6 +36,7 @@ struct ValidationInput {
   std::string clips;                   // a folder that torso retrofit has written
   std::vector<std::string> optimized;  // folders that torso optimize has written
   std::string build;                   // a build folder, whose tests print figures
+  std::vector<std::string> humanoids;  // MJCF files that get the torso
 };
 
 // All sections, in the order of the page (validation_sections.cc).

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <thread>
 
+#include "model/disc_batch.h"
 #include "plugin/mujoco_torso.h"
 #include "tools/files.h"
 #include "tools/mujoco_support.h"
@@ -259,9 +260,9 @@ std::string validationPage(const std::vector<Section>& sections,
       "<h1>Validation of mujoco-torso{}</h1>\n",
       kStyle, short_form ? ", short form" : "");
   html += fmt::format(
-      "<p class=\"facts\"><span>torso {}</span><span>MuJoCo {}</span><span>{}, {} "
+      "<p class=\"facts\"><span>torso {}</span><span>MuJoCo {}</span><span>{}, {}, {} "
       "core{}</span><span>{}{}</span><span>{} in all</span></p>\n",
-      torso_versionString(), mj_versionString(), escaped(processor()),
+      torso_versionString(), mj_versionString(), escaped(processor()), DiscBatch::instructionSet(),
       std::thread::hardware_concurrency(), std::thread::hardware_concurrency() == 1 ? "" : "s",
       first, last == first ? "" : " to " + last, duration(seconds));
   html += fmt::format(

@@ -126,7 +126,7 @@ void judge(SectionResult& result, int status, const std::string& out, const std:
 void readRows(const Section& section, SectionResult& result) {
   try {
     result.rows = section.rows(result.output);
-  } catch (const Json::exception& e) {
+  } catch (const std::exception& e) {
     if (result.failed) return;  // no wonder
     result.failed = true;
     result.message = fmt::format("its figures could not be read: {}", e.what());
@@ -168,7 +168,12 @@ void perform(const std::vector<std::string>& words, const std::string& folder,
   result.date = now();
   const std::string hidden = std::filesystem::absolute(folder + "/." + id).string();
   const std::string out = hidden + ".out", err = hidden + ".err";
-  std::filesystem::remove_all(folder + "/" + id);  // pictures of another time
+  const std::string own = folder + "/" + id;
+  std::filesystem::remove_all(own);  // pictures of another time
+  // Files of their own, not those that a command of a killed run may still be writing.
+  std::filesystem::remove(out);
+  std::filesystem::remove(err);
+  makeFolder(own);
   try {
     const pid_t child = start(words, folder, out, err);
     const int status = waitFor(child, progress, interrupted);
@@ -179,6 +184,7 @@ void perform(const std::vector<std::string>& words, const std::string& folder,
   }
   std::filesystem::remove(out);
   std::filesystem::remove(err);
+  if (std::filesystem::is_empty(own)) std::filesystem::remove(own);
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
 }
 

@@ -23,7 +23,7 @@ class Pressure : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     installHandlers();
-    anatomy_ = new Anatomy(Anatomy::load(TORSO_ANATOMY_DIR));
+    anatomy_ = new Anatomy(measuredMan(Anatomy::load(TORSO_ANATOMY_DIR)));
     skeleton_ = new Skeleton(
         readSkeleton(*anatomy_, std::string(TORSO_MJCF) + "/assets", bodyNames(*anatomy_)));
     body_ = new PosedBody(*anatomy_, *skeleton_);
@@ -164,31 +164,53 @@ TEST_F(Pressure, NoMusclePushesTheBentSpine) {
   EXPECT_GT(moments_->pulls(body_->data()).minCoeff(), -0.1);
 }
 
-// The measured man against ours with a disc of his area. What is off by more than 30 % is named.
+TEST_F(Pressure, MeasuredManHasHisMassAndDisc) {
+  EXPECT_NEAR(anatomy_->mass(), 70, 1e-9);
+  const mjModel* m = body_->model();
+  const int disc = torso_discId(m, kMeasuredDisc);
+  EXPECT_NEAR(body_->discArea(disc), 1800e-6, 1e-9);
+  // The mesh that is simulated is as wide: 0.82 x width x depth is its area (model/disc.h).
+  int nnode = 0, ntet = 0;
+  ASSERT_EQ(torso_discSize(m, disc, &nnode, &ntet), 0);
+  std::vector<mjtNum> nodes(3 * nnode);
+  torso_discRest(m, disc, nodes.data());
+  const DiscShape& shape = anatomy_->discs[disc].shape;
+  double left = 0;
+  for (std::size_t i = 1; i < nodes.size(); i += 3) left = std::max(left, nodes[i]);
+  EXPECT_NEAR(2 * left, shape.width, 0.01 * shape.width);
+  EXPECT_NEAR(0.82 * shape.width * shape.depth, 1800e-6, 10e-6);
+}
+
+// What lies on a bed is neither pulled nor pressed along the body: the disc that stands upright in
+// it, L3/L4, carries nothing. What L4/L5 carries is the lean of that disc.
+TEST_F(Pressure, BedDoesNotPullAlongTheBody) {
+  for (const char* name : {"supine", "prone", "side"}) {
+    const ActivityLoads loads = measureActivity(*body_, *moments_, activity(name), true);
+    EXPECT_NEAR(loads.muscles.at("L3/L4").compression, 0, 4) << name;
+  }
+}
+
+// The measured man against his body.
 TEST_F(Pressure, IsTheMeasuredOne) {
-  const std::set<std::string> near = {"standing", "hold_close", "hold_far"}, off = {"prone"};
+  const std::set<std::string> near = {"standing", "hold_close", "hold_far"};
   std::vector<std::pair<double, double>> upright;  // measured, ours
   for (const Activity& a : readActivities(TORSO_ANATOMY_DIR)) {
     SCOPED_TRACE(a.name);
     const ActivityLoads loads = measureActivity(*body_, *moments_, a, true);
     const double ours = loads.muscles.at(kMeasuredDisc).pressureOnSubjectsArea();
     const double tolerance = near.count(a.name) ? 0.15 : 0.3;
-    if (off.count(a.name)) {
-      EXPECT_GT(std::abs(ours / a.pressure - 1), tolerance) << "no longer off: name it no more";
-    } else {
-      EXPECT_NEAR(ours / a.pressure, 1, tolerance);
-    }
+    EXPECT_NEAR(ours / a.pressure, 1, tolerance);
     if (a.held == Held::kBed) continue;
     upright.emplace_back(a.pressure, ours);
+    // Least in full flexion, where the spine itself carries most.
     EXPECT_GT(loads.muscles.at(kMeasuredDisc).compression,
-              1.3 * loads.servos.at(kMeasuredDisc).compression);
+              1.1 * loads.servos.at(kMeasuredDisc).compression);
     // Muscles are strong enough.
     for (const double moment : loads.muscles.servo_moments) EXPECT_LT(std::abs(moment), 4);
   }
   std::sort(upright.begin(), upright.end());
   for (std::size_t i = 1; i < upright.size(); i++) {
-    // Sitting and standing are alike: 0.46 and 0.50 MPa.
-    EXPECT_GT(upright[i].second, 0.95 * upright[i - 1].second) << upright[i].first;
+    EXPECT_GT(upright[i].second, upright[i - 1].second) << upright[i].first;
   }
 }
 

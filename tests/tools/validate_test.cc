@@ -123,6 +123,35 @@ TEST_F(Validate, ShowsAFailedSectionAndSaysSo) {
             std::string::npos);
 }
 
+// Of two takes, one of which is off by more at the end, and of a clip that failed.
+TEST_F(Validate, CountsWhatRetrofitHasWritten) {
+  std::filesystem::create_directory(folder_ / "clips");
+  write("clips/summary.csv",
+        "clip,file,frames,held_median_mm,held_p95_mm,held_median_deg,held_p95_deg,frames_flagged,"
+        "frames_within_3mm_1deg,frames_within_10mm_3deg,core_s_per_s,power_above_band_over_input,"
+        "largest_jump_deg,error\n"
+        "a,a.bvh,100,1,2,0.1,0.2,0,100,100,0.5,0.1,3,\n"
+        "b,\"b, c.bvh\",300,2,11,0.1,0.2,10,150,280,0.9,1.5,9,\n"
+        ",d.bvh,,,,,,,,,,,,\"no \"\"hips\"\", no legs\"\n");
+  ASSERT_EQ(run("validate --only retrofit --clips clips -o v").status, 0);
+  const std::string page = readFile(folder_ / "v/index.html");
+  for (const std::string row : {"takes that go through</td><td class=\"ours\">2 of 3",
+                                "within 10 mm and 3 deg</td><td class=\"ours\">95.0 %",
+                                "within 3 mm and 1 deg</td><td class=\"ours\">62.5 %",
+                                "frames flagged</td><td class=\"ours\">2.5 %",
+                                "medians below 3 mm and 1 deg</td><td class=\"ours\">2 of 2",
+                                "below 10 mm and 3 deg</td><td class=\"ours\">1 of 2",
+                                "second of motion, median take</td><td class=\"ours\">0.7",
+                                "more than the input's</td><td class=\"ours\">1 of 2"}) {
+    EXPECT_NE(page.find(row), std::string::npos) << row;
+  }
+  // A table of another kind: said, not guessed.
+  write("clips/summary.csv", "clip,error\na,\n");
+  EXPECT_EQ(run("validate --only retrofit --clips clips -o v").status, 1);
+  EXPECT_NE(readFile(folder_ / "v/index.html").find("its figures could not be read"),
+            std::string::npos);
+}
+
 // No ctest where it looks for one: a message, not the end of the report.
 TEST_F(Validate, GoesOnAfterACommandThatCannotBeStarted) {
   const Result result = run("validate --only tests,info --tests . -o v", "env PATH=/nonexistent");
