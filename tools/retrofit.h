@@ -18,8 +18,9 @@ namespace torso::tools {
 struct RetrofitOptions {
   double steps = 240;  // of descent per second, at least two per frame; the holds move on a little
                        // before each, and more of them are taken where the holds move fast
-  double momentum = 0.7;  // see Equilibrium
-  double weight = 1;      // share of the body's weight that its discs bear, see FollowerLoad
+  double led_steps = 120;  // the same of the second pass
+  double momentum = 0.7;   // see Equilibrium
+  double weight = 1;       // share of the body's weight that its discs bear, see FollowerLoad
 
   // A frame is flagged beyond these. A human spine cannot reach what would take more.
   double position_error = 0.010;               // of a held bone [m]
@@ -33,8 +34,9 @@ struct RetrofitOptions {
 // The models that clips of one body are worked on with: made once, read by many threads.
 struct RetrofitModels {
   explicit RetrofitModels(const BodyMjcf& body, const SpineParts& parts = {});
-  ModelPtr human;  // the whole body: results are in its qpos, as of the MJCF file
-  ModelPtr torso;  // BodyMjcf::torsoOnHolds
+  ModelPtr human;      // the whole body: results are in its qpos, as of the MJCF file
+  ModelPtr torso;      // BodyMjcf::torsoOnHolds
+  ModelPtr led_torso;  // JointLead::ledModel
 };
 
 // What a frame's equilibrium tells. Per level: in the order of Posture, L5/S1 first.
