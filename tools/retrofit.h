@@ -16,7 +16,7 @@
 namespace torso::tools {
 
 struct RetrofitOptions {
-  double steps = 240;  // of descent per second, at least two per frame; the holds move on a little
+  double steps = 200;  // of descent per second, at least two per frame; the holds move on a little
                        // before each, and more of them are taken where the holds move fast
   double led_steps = 120;  // the same of the second pass
   double momentum = 0.7;   // see Equilibrium
