@@ -246,12 +246,17 @@ RetrofitResult retrofit(const RetrofitModels& models, const HeldMotion& motion,
   }
 
   // Over time.
-  smoothLead(motion, JointLead(models.torso.get()).names(), &held);
-  Equilibrium led(models.led_torso.get(), m, options.momentum);
+  const mjModel* torso = (options.over_time ? models.led_torso : models.torso).get();
+  if (options.over_time) {
+    smoothLead(motion, JointLead(torso).names(), &held);
+  } else {
+    for (HeldFrame& frame : held) frame.lead = {};
+  }
+  Equilibrium led(torso, m, options.momentum);
   led.setState(first);
   Course course(led, least(options.led_steps), options.unrest);
   course.startAt(held.front());
-  const Reader reader(models.led_torso.get());
+  const Reader reader(torso);
   const DataPtr human = makeData(m);
   for (std::size_t frame = 0; frame < frames; frame++) {
     const bool jumped = !course.follow(held[frame]);

@@ -19,6 +19,7 @@ struct RetrofitOptions {
   double steps = 200;  // of descent per second, at least two per frame; the holds move on a little
                        // before each, and more of them are taken where the holds move fast
   double led_steps = 120;  // the same of the second pass
+  bool over_time = true;   // false: frame by frame as the first pass, in the second one too
   double momentum = 0.7;   // see Equilibrium
   double weight = 1;       // share of the body's weight that its discs bear, see FollowerLoad
 
