@@ -15,7 +15,7 @@ using Eigen::Quaterniond;
 
 // From rest to the first frame, and then at most until it is at rest.
 constexpr int kApproach = 100, kFirstRest = 300;
-constexpr double kAtRest = 1e-5;  // [rad] a step
+constexpr double kAtRest = 1e-4;  // [rad] a step
 // Of the holds in a step: one that moves faster gets more steps, up to so many a frame.
 constexpr double kStride = 0.005, kTurn = EIGEN_PI / 180;  // [m], [rad]
 constexpr int kMostSteps = 60;
