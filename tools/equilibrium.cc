@@ -28,6 +28,7 @@ Equilibrium::Equilibrium(const mjModel* m, const mjModel* human, double momentum
       rhythm_(m, human),
       spine_(m),
       load_(m, human),
+      lead_(m),
       momentum_(momentum),
       change_(m->nv),
       descent_(m->nv),
@@ -47,6 +48,19 @@ void Equilibrium::reset() {
   std::fill(change_.begin(), change_.end(), 0);
   std::fill(descent_.begin(), descent_.end(), 0);
   share_ = 1;
+}
+
+std::vector<mjtNum> Equilibrium::state() const {
+  std::vector<mjtNum> state(d_->qpos, d_->qpos + m_->nq);
+  state.insert(state.end(), d_->userdata, d_->userdata + m_->nuserdata);
+  return state;
+}
+
+void Equilibrium::setState(const std::vector<mjtNum>& state) {
+  reset();
+  mju_copy(d_->qpos, state.data(), m_->nq);
+  mju_copy(d_->userdata, state.data() + m_->nq, m_->nuserdata);
+  mj_forward(m_, d_.get());
 }
 
 void Equilibrium::hold(const std::vector<Isometry3d>& poses, const Vector3d& up) {
@@ -78,6 +92,7 @@ double Equilibrium::step() {
   mju_copy(start_.data(), d->qpos, m_->nq);
   rhythm_.apply(m_, d);
   spine_.apply(d);
+  if (lead_goal_.cols() > 0) lead_.apply(m_, d, lead_goal_);
   load_.apply(m_, d, up_);
   mj_step(m_, d);
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/follower_load.h"
+#include "tools/joint_lead.h"
 #include "tools/mujoco_support.h"
 #include "tools/retrofit_model.h"
 #include "tools/rhythm.h"
@@ -30,10 +31,15 @@ class Equilibrium {
 
   // Rest pose, all stresses gone.
   void reset();
+  // The pose and the shapes of the discs, for another object of the same torso.
+  std::vector<mjtNum> state() const;
+  void setState(const std::vector<mjtNum>& state);
   // Where the held bones are to be, in the order of kHeldBones, in the frame of the pelvis. A hold
   // stays within its reach of the bone as this is now.
   // up: where up is in that frame, unit; zero where there is no weight.
   void hold(const std::vector<Eigen::Isometry3d>& poses, const Eigen::Vector3d& up);
+  // Leads the joints to these turns (JointLead) from now on; only if the torso is of ledModel.
+  void lead(const Eigen::Matrix3Xd& turns) { lead_goal_ = turns; }
   // One step; returns the largest turn of a joint or free body by descent, momentum apart [rad]: 0
   // in equilibrium.
   double step();
@@ -42,6 +48,8 @@ class Equilibrium {
 
   const mjModel* model() const { return m_; }
   mjData* data() { return d_.get(); }
+  // Turns of the joints that can be led.
+  Eigen::Matrix3Xd turns() { return lead_.turns(m_, d_.get()); }
   // Pose of a body in the frame of the pelvis.
   Eigen::Isometry3d pose(int body) const;
   // Poses of the held bones at rest.
@@ -55,6 +63,8 @@ class Equilibrium {
   Rhythm rhythm_;
   SpineRhythm spine_;
   FollowerLoad load_;
+  JointLead lead_;
+  Eigen::Matrix3Xd lead_goal_;                    // none: not led
   Eigen::Vector3d up_ = Eigen::Vector3d::Zero();  // in the world
   double momentum_;
   int pelvis_;

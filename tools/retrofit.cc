@@ -8,10 +8,13 @@
 
 #include "plugin/mujoco_torso.h"
 #include "tools/clock.h"
+#include "tools/course_limit.h"
 #include "tools/equilibrium.h"
 #include "tools/error.h"
 #include "tools/graft_xml.h"
 #include "tools/posture.h"
+#include "tools/retrofit_course.h"
+#include "tools/smoothness.h"
 
 namespace torso::tools {
 namespace {
@@ -20,19 +23,13 @@ using Eigen::Isometry3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// From rest to the first frame, and then at most until it is at rest.
-constexpr int kApproach = 100, kFirstRest = 300;
-constexpr double kAtRest = 1e-5;  // [rad] a step
-// Of the holds in a step: one that moves faster gets more steps, up to so many a frame.
-constexpr double kStride = 0.005, kTurn = EIGEN_PI / 180;  // [m], [rad]
-constexpr int kMostSteps = 60;
-// After the holds have come to a frame, for as long as it would be flagged as not at rest.
-constexpr int kRest = 40;
-
-Isometry3d blend(const Isometry3d& a, const Isometry3d& b, double s) {
-  return isometry(Quaterniond(a.linear()).slerp(s, Quaterniond(b.linear())),
-                  (1 - s) * a.translation() + s * b.translation());
-}
+// Second difference of a joint's turn over a frame that is let be beside what the input explains.
+constexpr double kLeastLimit = 0.2 * EIGEN_PI / 180;  // [rad]
+// Of what is explained for two joints in a row, the upper neck's or a shoulder girdle's, the part
+// that each of them is let have.
+constexpr double kOneOfTwo = 0.6;
+// Of the time of a retrofit; rough.
+constexpr double kFreeShare = 0.6;
 
 // Poses of a HeldMotion by name.
 class Poses {
@@ -116,62 +113,35 @@ void assemble(const mjModel* m, mjData* human, Equilibrium& torso, const Poses& 
   }
 }
 
-// The way of the holds from frame to frame.
-class Course {
- public:
-  Course(Equilibrium& torso, const RetrofitOptions& options, double rate)
-      : torso_(torso), last_(torso.restPoses()), unrest_limit_(options.unrest) {
-    least_ = std::max(2, static_cast<int>(std::lround(options.steps / rate)));
+HeldFrame heldFrame(const Poses& poses, std::size_t frame, const std::vector<Isometry3d>& at_rest,
+                    double weight) {
+  const Isometry3d to_pelvis = poses.at(frame, "pelvis").inverse();
+  HeldFrame held = {at_rest, to_pelvis.linear() * (weight * Vector3d::UnitZ()), {}};
+  for (std::size_t i = 0; i < kHeldBones.size(); i++) {
+    if (poses.has(kHeldBones[i])) held.poses[i] = to_pelvis * poses.at(frame, kHeldBones[i]);
   }
+  return held;
+}
 
-  // Brings the torso along as the holds go to the next frame; the first time from rest. Returns
-  // false if it lost its footing on the way, for a pose far out of reach, and has come from rest
-  // again.
-  bool follow(const std::vector<Isometry3d>& goal, const Vector3d& up) {
-    int steps = least_;
-    for (std::size_t i = 0; i < goal.size(); i++) {
-      const Isometry3d move = last_[i].inverse() * goal[i];
-      steps = std::max(steps, static_cast<int>(move.translation().norm() / kStride));
-      steps = std::max(steps, static_cast<int>(Eigen::AngleAxisd(move.linear()).angle() / kTurn));
+// Makes the leads, which are the turns of the joints in equilibrium, as smooth as the motion.
+void smoothLead(const HeldMotion& motion, const std::vector<std::string>& joints,
+                std::vector<HeldFrame>* held) {
+  const ExplainedJumps explained(motion);
+  const std::size_t frames = held->size();
+  for (std::size_t joint = 0; joint < joints.size(); joint++) {
+    const double share = JointLead::isOneOfTwo(joints[joint]) ? kOneOfTwo : 1;
+    Eigen::MatrixXd course(frames, 3);
+    Eigen::VectorXd limit(frames);
+    for (std::size_t t = 0; t < frames; t++) {
+      course.row(t) = (*held)[t].lead.col(joint).transpose();
+      limit[t] = kLeastLimit + share * explained.of(joints[joint])[t];
     }
-    if (started_ && go(goal, up, std::min(steps, kMostSteps))) {
-      for (int i = 0; i < kRest && unrest_ > unrest_limit_; i++) unrest_ = torso_.step();
-      if (firstWarning(torso_.data()).empty()) return true;
+    course = limitSecondDifferences(course, limit);
+    for (std::size_t t = 0; t < frames; t++) {
+      (*held)[t].lead.col(joint) = course.row(t).transpose();
     }
-    const bool lost = started_;
-    started_ = true;
-    torso_.reset();
-    last_ = torso_.restPoses();
-    last_up_ = up;
-    go(goal, up, kApproach);
-    for (int i = 0; i < kFirstRest && unrest_ > kAtRest; i++) unrest_ = torso_.step();
-    return !lost;
   }
-
-  double unrest() const { return unrest_; }
-
- private:
-  bool go(const std::vector<Isometry3d>& goal, const Vector3d& up, int steps) {
-    std::vector<Isometry3d> now = goal;
-    for (int s = 1; s <= steps; s++) {
-      const double share = static_cast<double>(s) / steps;
-      for (std::size_t i = 0; i < goal.size(); i++) now[i] = blend(last_[i], goal[i], share);
-      torso_.hold(now, (1 - share) * last_up_ + share * up);
-      unrest_ = torso_.step();
-    }
-    last_ = goal;
-    last_up_ = up;
-    return firstWarning(torso_.data()).empty();
-  }
-
-  Equilibrium& torso_;
-  std::vector<Isometry3d> last_;
-  double unrest_limit_;  // RetrofitOptions::unrest
-  Vector3d last_up_ = Vector3d::Zero();
-  int least_;
-  bool started_ = false;
-  double unrest_ = 0;
-};
+}
 
 void addFlags(const RetrofitOptions& options, bool jumped, RetrofitFrame* frame) {
   const auto flag = [frame](const std::string& text) { frame->flags.push_back(text); };
@@ -242,7 +212,9 @@ class Reader {
 }  // namespace
 
 RetrofitModels::RetrofitModels(const BodyMjcf& body, const SpineParts& parts)
-    : human(body.human()), torso(body.torsoOnHolds(parts)) {}
+    : human(body.human()),
+      torso(body.torsoOnHolds(parts)),
+      led_torso(JointLead::ledModel(torso.get())) {}
 
 RetrofitResult retrofit(const RetrofitModels& models, const HeldMotion& motion,
                         const RetrofitOptions& options,
@@ -250,38 +222,55 @@ RetrofitResult retrofit(const RetrofitModels& models, const HeldMotion& motion,
   const double start = threadSeconds();
   const Poses poses(motion);
   const mjModel* m = models.human.get();
+  const std::size_t frames = motion.frames();
   RetrofitResult result;
   result.name = motion.name;
   result.rate = motion.rate;
   result.nq = m->nq;
-  Equilibrium torso(models.torso.get(), m, options.momentum);
-  const Reader reader(models.torso.get());
-  const DataPtr human = makeData(m);
 
-  const auto targets = [&](std::size_t frame) {
-    const Isometry3d to_pelvis = poses.at(frame, "pelvis").inverse();
-    std::vector<Isometry3d> result = torso.restPoses();
-    for (std::size_t i = 0; i < kHeldBones.size(); i++) {
-      if (poses.has(kHeldBones[i])) result[i] = to_pelvis * poses.at(frame, kHeldBones[i]);
-    }
-    return result;
+  // Frame by frame.
+  Equilibrium free(models.torso.get(), m, options.momentum);
+  const auto least = [&](double steps) {
+    return std::max(2, static_cast<int>(std::lround(steps / motion.rate)));
   };
-  Course course(torso, options, motion.rate);
-  const std::size_t frames = motion.frames();
+  std::vector<HeldFrame> held;
+  std::vector<bool> lost;
+  std::vector<mjtNum> first;
+  Course free_course(free, least(options.steps), options.unrest);
   for (std::size_t frame = 0; frame < frames; frame++) {
-    const auto goal = targets(frame);
-    const Vector3d up =
-        poses.at(frame, "pelvis").linear().transpose() * (options.weight * Vector3d::UnitZ());
-    const bool jumped = !course.follow(goal, up);
-    torso.forward();
-    result.frames.push_back(reader.read(torso, goal));
+    held.push_back(heldFrame(poses, frame, free.restPoses(), options.weight));
+    lost.push_back(!free_course.follow(held.back()));
+    held.back().lead = free.turns();
+    if (frame == 0) first = free.state();
+    if (progress) progress(kFreeShare * static_cast<double>(frame + 1) / frames);
+  }
+
+  // Over time.
+  const mjModel* torso = (options.over_time ? models.led_torso : models.torso).get();
+  if (options.over_time) {
+    smoothLead(motion, JointLead(torso).names(), &held);
+  } else {
+    for (HeldFrame& frame : held) frame.lead = {};
+  }
+  Equilibrium led(torso, m, options.momentum);
+  led.setState(first);
+  Course course(led, least(options.led_steps), options.unrest);
+  course.startAt(held.front());
+  const Reader reader(torso);
+  const DataPtr human = makeData(m);
+  for (std::size_t frame = 0; frame < frames; frame++) {
+    const bool jumped = !course.follow(held[frame]);
+    led.forward();
+    result.frames.push_back(reader.read(led, held[frame].poses));
     RetrofitFrame& now = result.frames.back();
     now.unrest = course.unrest();
     if (frame < motion.flags.size()) now.flags = motion.flags[frame];
-    addFlags(options, jumped, &now);
-    assemble(m, human.get(), torso, poses, frame);
+    addFlags(options, jumped || lost[frame], &now);
+    assemble(m, human.get(), led, poses, frame);
     result.qpos.insert(result.qpos.end(), human->qpos, human->qpos + m->nq);
-    if (progress) progress(static_cast<double>(frame + 1) / frames);
+    if (progress) {
+      progress(kFreeShare + (1 - kFreeShare) * static_cast<double>(frame + 1) / frames);
+    }
   }
   result.core_seconds = threadSeconds() - start;
   return result;

@@ -16,10 +16,12 @@
 namespace torso::tools {
 
 struct RetrofitOptions {
-  double steps = 240;  // of descent per second, at least two per frame; the holds move on a little
+  double steps = 200;  // of descent per second, at least two per frame; the holds move on a little
                        // before each, and more of them are taken where the holds move fast
-  double momentum = 0.7;  // see Equilibrium
-  double weight = 1;      // share of the body's weight that its discs bear, see FollowerLoad
+  double led_steps = 120;  // the same of the second pass
+  bool over_time = true;   // false: no lead in the second pass, frame by frame as the first
+  double momentum = 0.7;   // see Equilibrium
+  double weight = 1;       // share of the body's weight that its discs bear, see FollowerLoad
 
   // A frame is flagged beyond these. A human spine cannot reach what would take more.
   double position_error = 0.010;               // of a held bone [m]
@@ -33,8 +35,9 @@ struct RetrofitOptions {
 // The models that clips of one body are worked on with: made once, read by many threads.
 struct RetrofitModels {
   explicit RetrofitModels(const BodyMjcf& body, const SpineParts& parts = {});
-  ModelPtr human;  // the whole body: results are in its qpos, as of the MJCF file
-  ModelPtr torso;  // BodyMjcf::torsoOnHolds
+  ModelPtr human;      // the whole body: results are in its qpos, as of the MJCF file
+  ModelPtr torso;      // BodyMjcf::torsoOnHolds
+  ModelPtr led_torso;  // JointLead::ledModel
 };
 
 // What a frame's equilibrium tells. Per level: in the order of Posture, L5/S1 first.
@@ -57,10 +60,16 @@ struct RetrofitResult {
   double core_seconds = 0;  // processor time of this thread
 };
 
-// Static equilibrium at every frame, each from the last one. The weight of the body presses the
+// Two passes over the frames. The first one brings the torso to static equilibrium at every frame,
+// each from the last one; where a neck pressed together has two equilibria, or a shoulder blade
+// comes to the end of its reach, it snaps from one to the next within a frame. The turns of levels
+// and girdle are then made as smooth as the motion of the held bones (limitSecondDifferences,
+// ExplainedJumps), and the second pass leads the joints along these courses (JointLead) by springs,
+// as muscles would, with discs, ligaments and facets in equilibrium with them and the bones held.
+// Where the first pass is smooth the springs give no moment. The weight of the body presses the
 // discs together and does not bend the spine: a passive torso would buckle where muscles let a
-// person stand. Thread-safe, one mjData per call. progress, if
-// any, gets the share done and may throw to cancel. Throws Error "<clip>: ..." if the motion has no
+// person stand. Thread-safe, one mjData per pass. progress, if any, gets the share done and may
+// throw to cancel. Throws Error "<clip>: ..." if the motion has no
 // pelvis, no frame, or a number that is not finite.
 RetrofitResult retrofit(const RetrofitModels& models, const HeldMotion& motion,
                         const RetrofitOptions& options,

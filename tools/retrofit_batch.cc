@@ -62,30 +62,35 @@ std::string quoted(std::string text) {
 std::string summaryCsv(const std::vector<Json>& files) {
   std::string text =
       "clip,file,frames,rate_hz,seconds,core_seconds,core_s_per_s,held_median_mm,held_p95_mm,"
-      "held_median_deg,held_p95_deg,skeleton_median_mm,skeleton_p95_mm,skeleton_median_deg,"
+      "held_median_deg,held_p95_deg,reached_median_mm,reached_p95_mm,reached_median_deg,"
+      "reached_p95_deg,skeleton_median_mm,skeleton_p95_mm,skeleton_median_deg,"
       "skeleton_p95_deg,frames_flagged,frames_within_3mm_1deg,frames_within_10mm_3deg,"
       "reached_within_3mm_1deg,reached_within_10mm_3deg,power_above_band_over_input,"
-      "largest_jump_deg,flags,error\n";
+      "largest_jump_deg,largest_own_jump_deg,flags,error\n";
   for (const Json& rows : files) {
     for (const Json& row : rows) {
       const std::string file = quoted(row["file"]);
       if (row.contains("error")) {
-        text += fmt::format(",{},,,,,,,,,,,,,,,,,,,,,,{}\n", file, quoted(row["error"]));
+        text += fmt::format(",{},,,,,,,,,,,,,,,,,,,,,,,,,,,{}\n", file, quoted(row["error"]));
         continue;
       }
       text += fmt::format("{},{}", quoted(row["clip"]), file);
       for (const char* key : {"frames", "rate_hz", "seconds", "core_seconds", "core_s_per_s"}) {
         text += "," + row[key].dump();
       }
-      for (const char* key :
-           {"held_error_mm", "held_error_deg", "skeleton_error_mm", "skeleton_error_deg"}) {
-        text += fmt::format(",{},{}", row[key]["median"].dump(), row[key]["p95"].dump());
+      for (const char* key : {"held_error_mm", "held_error_deg", "reached_error_mm",
+                              "reached_error_deg", "skeleton_error_mm", "skeleton_error_deg"}) {
+        for (const char* of : {"median", "p95"}) {
+          const Json& value = row[key][of];
+          text += "," + (value.is_null() ? "" : value.dump());
+        }
       }
       for (const char* key : {"frames_flagged", "frames_within_3mm_1deg", "frames_within_10mm_3deg",
                               "reached_within_3mm_1deg", "reached_within_10mm_3deg"}) {
         text += "," + row[key].dump();
       }
-      for (const char* key : {"power_above_band_over_input", "largest_jump_deg"}) {
+      for (const char* key :
+           {"power_above_band_over_input", "largest_jump_deg", "largest_own_jump_deg"}) {
         text += "," + (row.contains(key) ? row[key].dump() : "");  // not of clips of a few frames
       }
       text += fmt::format(",{},\n", quoted(row["flags"]));
@@ -180,7 +185,7 @@ class Batch {
       return false;
     }
     for (const Json& row : done["clips"]) {
-      if (!row.contains("reached_within_10mm_3deg")) return false;  // of an older version
+      if (!row.contains("reached_error_mm")) return false;  // of an older version
       for (const char* end : kRetrofitFiles) {
         if (!fresh(batch_.output + "/" + row["clip"].get<std::string>() + end)) return false;
       }

@@ -19,6 +19,7 @@
 #include "tools/motion_glb.h"
 #include "tools/paths.h"
 #include "tools/performer.h"
+#include "tools/posture.h"
 #include "tools/retarget.h"
 #include "tools/retrofit.h"
 #include "tools/retrofit_readouts.h"
@@ -35,8 +36,9 @@ constexpr double kPreparation = 0.15;  // share of a person's time until equilib
 
 double rounded(double x) { return std::round(x * 1e4) / 1e4; }
 
-// Median and 95th percentile, times a factor.
+// Median and 95th percentile, times a factor; null of nothing.
 Json spread(std::vector<double> values, double factor) {
+  if (values.empty()) return {{"median", nullptr}, {"p95", nullptr}};
   std::sort(values.begin(), values.end());
   const auto at = [&](double share) {
     return rounded(
@@ -143,25 +145,28 @@ Json describe(const Person& person, const Performer& performer, const Targets& t
 }
 
 void addErrors(Json* row, const HeldMotion& motion, const RetrofitResult& result) {
-  std::vector<double> positions, rotations;
+  // [of all frames, of those that are not flagged].
+  std::array<std::vector<double>, 2> positions, rotations;
   FlagCounts flags;
   size_t flagged = 0;
   constexpr double kDegrees = 180 / M_PI;
-  // [of all frames, of those that are not flagged]: within 3 mm and 1 degree, 10 mm and 3 degrees.
+  // Of these, within 3 mm and 1 degree, within 10 mm and 3 degrees.
   std::array<std::array<size_t, 2>, 2> within{};
   for (const RetrofitFrame& frame : result.frames) {
     const double mm = 1e3 * frame.position_error, degrees = kDegrees * frame.rotation_error;
     for (size_t k = 0; k <= (frame.flags.empty() ? 1 : 0); k++) {
       within[k][0] += mm < 3 && degrees < 1;
       within[k][1] += mm < 10 && degrees < 3;
+      positions[k].push_back(frame.position_error);
+      rotations[k].push_back(frame.rotation_error);
     }
-    positions.push_back(frame.position_error);
-    rotations.push_back(frame.rotation_error);
     flagged += !frame.flags.empty();
     for (const std::string& flag : frame.flags) flags.add(flag);
   }
-  (*row)["held_error_mm"] = spread(positions, 1e3);
-  (*row)["held_error_deg"] = spread(rotations, kDegrees);
+  (*row)["held_error_mm"] = spread(positions[0], 1e3);
+  (*row)["held_error_deg"] = spread(rotations[0], kDegrees);
+  (*row)["reached_error_mm"] = spread(positions[1], 1e3);
+  (*row)["reached_error_deg"] = spread(rotations[1], kDegrees);
   (*row)["skeleton_error_mm"] = spread(motion.position_errors, 1e3);
   (*row)["skeleton_error_deg"] = spread(motion.rotation_errors, kDegrees);
   (*row)["frames_flagged"] = flagged;
@@ -173,7 +178,8 @@ void addErrors(Json* row, const HeldMotion& motion, const RetrofitResult& result
 }
 
 // Of the turns of levels and scapulae, against those of the held bones.
-void addSmoothness(Json* row, const HeldMotion& motion, const RetrofitResult& result) {
+void addSmoothness(Json* row, const HeldMotion& motion, const RetrofitResult& result,
+                   const std::vector<std::string>& names) {
   if (result.frames.size() < 4) return;
   std::vector<std::vector<Eigen::Vector3d>> turns;
   for (const RetrofitFrame& frame : result.frames) turns.push_back(frame.turns);
@@ -181,6 +187,8 @@ void addSmoothness(Json* row, const HeldMotion& motion, const RetrofitResult& re
   (*row)["band_hz"] = rounded(s.band);
   (*row)["power_above_band_over_input"] = rounded(s.gain);
   (*row)["largest_jump_deg"] = rounded(s.largest_jump * 180 / M_PI);
+  (*row)["largest_own_jump_deg"] =
+      rounded(ExplainedJumps(motion).largestBeyond(names, turns) * 180 / M_PI);
 }
 
 // The body's file: in the scene and with the meshes that lie beside it, so that the folder may
@@ -275,7 +283,7 @@ Json retrofitPerson(const Anatomy& tables, const Person& person, const std::stri
   writeFiles(files);
 
   addErrors(&row, posed.motion, result);
-  addSmoothness(&row, posed.motion, result);
+  addSmoothness(&row, posed.motion, result, Posture(models.torso.get()).names());
   const std::vector<double> directions = directionErrors(world, person.roles, posed.motion);
   if (!directions.empty()) row["limb_direction_error_deg"] = spread(directions, 180 / M_PI);
   const double core_seconds = threadSeconds() - start;

@@ -169,19 +169,6 @@ ModelPtr compile(const tinyxml2::XMLDocument& document, const std::string& name)
   return compileModel(printer.CStr(), name);
 }
 
-// World poses of bodies at rest.
-std::vector<double> restPoses(const mjModel* m, const std::vector<std::string>& bodies) {
-  const DataPtr d = makeData(m);
-  mj_kinematics(m, d.get());
-  std::vector<double> poses;
-  for (const std::string& body : bodies) {
-    const int id = mj_name2id(m, mjOBJ_BODY, body.c_str());
-    poses.insert(poses.end(), d->xpos + 3 * id, d->xpos + 3 * id + 3);
-    poses.insert(poses.end(), d->xquat + 4 * id, d->xquat + 4 * id + 4);
-  }
-  return poses;
-}
-
 }  // namespace
 
 BodyMjcf::BodyMjcf(const std::string& path) : BodyMjcf(readFile(path), path) {}
@@ -210,6 +197,26 @@ ModelPtr BodyMjcf::human() const {
   return compile(document, "human");
 }
 
+std::vector<double> BodyMjcf::restPosesOf(const std::vector<std::string>& bodies) const {
+  tinyxml2::XMLDocument document;
+  parse(document, text_, name_);
+  XMLElement* root = document.RootElement();
+  // Nothing of these has a say in it, and compiling them takes time.
+  for (const char* name : {"actuator", "contact", "tendon", "equality", "custom"}) {
+    while (XMLElement* section = root->FirstChildElement(name)) root->DeleteChild(section);
+  }
+  const ModelPtr m = compile(document, "body");
+  const DataPtr d = makeData(m.get());
+  mj_kinematics(m.get(), d.get());
+  std::vector<double> poses;
+  for (const std::string& body : bodies) {
+    const int id = mj_name2id(m.get(), mjOBJ_BODY, body.c_str());
+    poses.insert(poses.end(), d->xpos + 3 * id, d->xpos + 3 * id + 3);
+    poses.insert(poses.end(), d->xquat + 4 * id, d->xquat + 4 * id + 4);
+  }
+  return poses;
+}
+
 ModelPtr BodyMjcf::torsoOnHolds(const SpineParts& parts) const {
   tinyxml2::XMLDocument document;
   parse(document, text_, name_);
@@ -217,7 +224,7 @@ ModelPtr BodyMjcf::torsoOnHolds(const SpineParts& parts) const {
   strip(root, true);
   keepLevelServos(root);
   const std::vector<std::string> held(kHeldBones.begin(), kHeldBones.end());
-  const std::vector<double> poses = restPoses(compile(document, "body").get(), held);
+  const std::vector<double> poses = restPosesOf(held);
   XMLElement* pelvis = findBody(root, "pelvis");
   pelvis->DeleteChild(pelvis->FirstChildElement("freejoint"));
   static const std::set<std::string> kGone = {"thigh", "lower_arm"};
@@ -242,7 +249,7 @@ ModelPtr BodyMjcf::pelvisOnHold() const {
   tinyxml2::XMLDocument document;
   parse(document, text_, name_);
   XMLElement* root = document.RootElement();
-  const std::vector<double> pose = restPoses(compile(document, "body").get(), {"pelvis"});
+  const std::vector<double> pose = restPosesOf({"pelvis"});
   // As good as rigid.
   addHold(root, "pelvis", pose.data(), 1e6, 1e5);
   ModelPtr m = compile(document, "pelvis_on_hold");

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "tools/mujoco_support.h"
 #include "tools/whole_spine.h"
@@ -61,6 +62,9 @@ class BodyMjcf {
   ModelPtr pelvisOnHold() const;
 
  private:
+  // World poses of bodies at rest: 3 numbers of place [m] and a quaternion for each.
+  std::vector<double> restPosesOf(const std::vector<std::string>& bodies) const;
+
   std::string name_, text_;
 };
 

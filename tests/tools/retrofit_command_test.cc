@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <sstream>
@@ -43,6 +44,8 @@ TEST_F(Retrofit, WritesMotionsThatReloadAndResumes) {
   EXPECT_EQ(rows[0]["clip"], "bow");
   EXPECT_EQ(rows[0]["frames"], kFrames);
   EXPECT_LT(rows[0]["held_error_mm"]["p95"], 10);
+  EXPECT_LT(rows[0]["reached_error_mm"]["median"], 3);
+  EXPECT_LT(rows[0]["largest_own_jump_deg"], 1);
   EXPECT_TRUE(rows[1].contains("error"));
 
   // The body leans forward by what the clip's joints turn, spread over its vertebrae.
@@ -66,6 +69,16 @@ TEST_F(Retrofit, WritesMotionsThatReloadAndResumes) {
   const std::string summary = readFile(folder_ / "out/summary.csv");
   EXPECT_THAT(summary, HasSubstr("\nbow,clips/bow.bvh,10,20"));
   EXPECT_THAT(summary, HasSubstr("clips/cut.bvh"));
+  // As many cells in each row.
+  std::istringstream lines(summary);
+  std::string header, row;
+  std::getline(lines, header);
+  while (std::getline(lines, row)) {
+    if (row.find('"') == std::string::npos) {
+      EXPECT_EQ(std::count(row.begin(), row.end(), ','),
+                std::count(header.begin(), header.end(), ','));
+    }
+  }
 
   // Done and newer than its clip: left alone, and yet in the table.
   const auto before = timeOf("out/bow.csv");
