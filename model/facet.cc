@@ -151,7 +151,7 @@ void addScapulothoracic(const Anatomy& a, std::vector<Facet>& facets) {
   const Matrix3d axes = Eigen::AngleAxisd(M_PI / 4, Vector3d::UnitZ()).toRotationMatrix();
   f.radii = {0.087, 0.0565, 0.144};
   for (int k = 0; k < 3; k++) f.radii[k] *= growth.cwiseProduct(Vector3d(axes.col(k))).norm();
-  f.band = 0.07;  // about 2 mm
+  f.band = 0.05;  // about 2 mm
   f.ellipsoid = Isometry3d::Identity();
   f.ellipsoid.linear() = turn * axes;
   f.ellipsoid.translation() = centre;

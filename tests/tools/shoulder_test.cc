@@ -17,7 +17,8 @@ const ShoulderReport& report() {
     const Skeleton skeleton =
         readSkeleton(anatomy(), TORSO_MJCF "/assets", ShoulderBench::bodies());
     ShoulderBench bench(anatomy(), skeleton);
-    return measureShoulder(bench, 20);
+    return measureShoulder(bench, 20,
+                           readScapularMuscles(TORSO_ANATOMY_DIR "/scapular_muscles.csv"));
   }();
   return r;
 }
