@@ -147,11 +147,11 @@ void addScapulothoracic(const Anatomy& a, std::vector<Facet>& facets) {
   const Matrix3d turn = a.warp ? a.warp->thoraxRotation() : Matrix3d(Matrix3d::Identity());
   const Vector3d growth = a.warp ? a.warp->thoraxGrowth() : Vector3d(1, 1, 1);
   const Vector3d centre = a.landmark("suprasternal_notch_IJ") +
-                          turn * growth.cwiseProduct(Vector3d(-0.105, 0.0795, -0.114));
+                          turn * growth.cwiseProduct(Vector3d(-0.106, 0.075, -0.132));
   const Matrix3d axes = Eigen::AngleAxisd(M_PI / 4, Vector3d::UnitZ()).toRotationMatrix();
-  f.radii = {0.087, 0.0565, 0.144};
+  f.radii = {0.0925, 0.0575, 0.159};
   for (int k = 0; k < 3; k++) f.radii[k] *= growth.cwiseProduct(Vector3d(axes.col(k))).norm();
-  f.band = 0.05;  // about 2 mm
+  f.band = 0.045;  // about 2 mm
   f.ellipsoid = Isometry3d::Identity();
   f.ellipsoid.linear() = turn * axes;
   f.ellipsoid.translation() = centre;

@@ -11,6 +11,7 @@
 #include "tools/commands.h"
 #include "tools/gnuplot.h"
 #include "tools/paths.h"
+#include "tools/shoulder_pictures.h"
 #include "tools/shoulder_rhythm.h"
 
 namespace torso::tools {
@@ -153,6 +154,7 @@ void shoulder(const Options& options) {
   }
   if (options.plot_folder.empty()) return;
   writeShoulderPlots(options.plot_folder, report, published);
+  writeShoulderPictures(options.plot_folder, loadModel(mjcfFolder() + "/human.xml").get(), report);
   if (!runGnuplot(options.plot_folder, "shoulder.gp")) {
     std::cerr << fmt::format(
         "torso shoulder: {}: holds the curves and shoulder.gp but no picture, as there is no "
@@ -188,7 +190,8 @@ void addShoulder(CLI::App& app) {
                     "Let the couple on the arm alone move the scapula");
   command->add_flag("--json", options->json, "Print JSON, with all poses");
   command->add_option("--plot", options->plot_folder,
-                      "Write the curves into this folder, and draw them with gnuplot");
+                      "Write the curves into this folder and draw them with gnuplot, and pictures "
+                      "of the poses");
   command->callback([options] { shoulder(*options); });
 }
 
