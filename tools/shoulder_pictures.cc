@@ -6,18 +6,38 @@
 
 #include "tools/error.h"
 #include "tools/files.h"
+#include "tools/plate.h"
 #include "tools/renderer.h"
 
 namespace torso::tools {
 namespace {
 
 constexpr double kDegree = EIGEN_PI / 180;
-constexpr int kWidth = 300, kHeight = 330;  // of one picture [pixels]
+constexpr int kWidth = 270, kHeight = 300;  // of one picture [pixels]
 
-struct View {
-  double azimuth, elevation;  // of the camera [deg]
+// What is shown: its height, and its middle beside and above the origin of the rib cage [m].
+struct Window {
+  double height, left, up;
 };
-constexpr View kBehind = {10, -4}, kSide = {-90, -4}, kFront = {180, -4}, kAbove = {0, -75};
+constexpr Window kArm = {0.56, 0.14, 0.02}, kGirdle = {0.42, 0.09, -0.06};
+constexpr View kBehind = {-15, 0}, kSide = {-90, 0}, kFront = {180, 0}, kAbove = {0, -89};
+
+// Leaves thorax, girdle and the left upper arm to be seen, the left scapula in a colour of its own.
+void showGirdle(mjModel* m) {
+  for (int i = 0; i < m->ngeom; i++) {
+    const std::string name = nameOf(m, mjOBJ_GEOM, i);
+    const bool vertebra = name.size() < 4 && name[0] == 'T';
+    const bool shown = vertebra || name == "C7" || name.rfind("ribcage", 0) == 0 ||
+                       name == "left_upper_arm" || name.find("_clavicle") != name.npos ||
+                       name.find("_scapula") != name.npos;
+    if (m->geom_type[i] != mjGEOM_MESH || !shown) m->geom_group[i] = mjNGROUP - 1;
+    if (name == "left_scapula") {
+      const float colour[4] = {0.93f, 0.70f, 0.42f, 1};
+      std::copy_n(colour, 4, m->geom_rgba + 4 * i);
+      m->geom_matid[i] = -1;
+    }
+  }
+}
 
 void pose(const mjModel* m, mjData* d, const ShoulderPose& pose) {
   mj_resetData(m, d);
@@ -31,29 +51,33 @@ void pose(const mjModel* m, mjData* d, const ShoulderPose& pose) {
 
 // A row of pictures for each view, a column for each pose.
 std::string strip(mjModel* m, const std::vector<ShoulderPose>& poses,
-                  const std::vector<View>& views) {
+                  const std::vector<View>& views, const Window& window) {
   mjvOption option;
   mjv_defaultOption(&option);
-  setVisible(option, "ligaments", false);
+  for (const char* layer : {"ligaments", "discs"}) setVisible(option, layer, false);
+  std::fill_n(option.sitegroup, mjNGROUP, mjtByte{0});
+  preparePlate(m);
+  showGirdle(m);
+  mjvCamera camera;
+  mjv_defaultCamera(&camera);
+  camera.distance = window.height / 2 / std::tan(m->vis.global.fovy / 2 * kDegree);
+  m->vis.map.znear = static_cast<float>(camera.distance / 2 / m->stat.extent);
   const DataPtr d = makeData(m);
-  Renderer renderer(m, kWidth, kHeight);
+  Renderer renderer(m, kFiner * kWidth, kFiner * kHeight);
   const int rows = static_cast<int>(views.size()), columns = static_cast<int>(poses.size());
   std::vector<unsigned char> rgb(static_cast<std::size_t>(3) * kWidth * columns * kHeight * rows);
   for (int column = 0; column < columns; column++) {
     pose(m, d.get(), poses[column]);
+    mju_copy3(camera.lookat, d->xpos + 3 * mj_name2id(m, mjOBJ_BODY, "ribcage"));
+    camera.lookat[0] -= 0.07;
+    camera.lookat[1] += window.left;
+    camera.lookat[2] += window.up;
     for (int row = 0; row < rows; row++) {
-      mjvCamera camera;
-      mjv_defaultCamera(&camera);
       camera.azimuth = views[row].azimuth;
       camera.elevation = views[row].elevation;
-      camera.distance = 0.85;
-      // Between the scapula and the head of the humerus.
-      const int scapula = mj_name2id(m, mjOBJ_BODY, "left_scapula");
-      const int ribcage = mj_name2id(m, mjOBJ_BODY, "ribcage");
-      mju_copy3(camera.lookat, d->xpos + 3 * ribcage);
-      camera.lookat[1] = 0.6 * d->xpos[3 * scapula + 1];
-      camera.lookat[2] -= 0.05;
-      const std::vector<unsigned char> cell = renderer.pixels(d.get(), option, camera);
+      placeLight(m, d.get(), views[row]);
+      const std::vector<unsigned char> cell =
+          shrink(renderer.pixels(d.get(), option, camera), kWidth, kHeight);
       const std::size_t first = static_cast<std::size_t>(rows - 1 - row) * kHeight;  // from below
       for (int y = 0; y < kHeight; y++) {
         std::copy_n(cell.begin() + 3 * y * kWidth, 3 * kWidth,
@@ -76,10 +100,10 @@ void writeShoulderPictures(const std::string& folder, mjModel* human,
                                              std::abs(b.elevation - elevation);
                                     }));
   }
-  writeFile(folder + "/arm.png", strip(human, arm, {kBehind, kSide, kFront}));
+  writeFile(folder + "/arm.png", strip(human, arm, {kBehind, kSide, kFront}, kArm));
   std::vector<ShoulderPose> girdle = {report.rest};
   for (const auto& [motion, poses] : report.girdle) girdle.push_back(poses.back());
-  writeFile(folder + "/girdle.png", strip(human, girdle, {kBehind, kSide, kAbove}));
+  writeFile(folder + "/girdle.png", strip(human, girdle, {kBehind, kSide, kAbove}, kGirdle));
 }
 
 }  // namespace torso::tools
