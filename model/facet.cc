@@ -159,8 +159,8 @@ void addScapulothoracic(const Anatomy& a, std::vector<Facet>& facets) {
   const Vector3d ai = a.landmark("scapula_inferior_angle_AI");
   const Vector3d gh = a.landmark("glenohumeral_centre_GH");
   // Near the four corners of the blade: superior angle, root of the spine, inferior angle, neck.
-  const std::array<Vector3d, 4> corners = {ts + 0.35 * (ts - ai), ts + 0.1 * (ai - ts),
-                                           ai + 0.1 * (ts - ai), gh + 0.45 * (ts - gh)};
+  const std::array<Vector3d, 4> corners = {ts + 0.25 * (ts - ai), ts + 0.2 * (ai - ts),
+                                           ai + 0.2 * (ts - ai), gh + 0.45 * (ts - gh)};
   for (int i = 0; i < 4; i++) {
     const Vector3d from_centre = corners[i] - centre;
     const Vector3d from_axes = f.ellipsoid.linear().transpose() * from_centre;
