@@ -1,6 +1,8 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include "tools/scapular_muscles.h"
 
+#include <algorithm>
+
 #include "model/csv.h"
 
 namespace torso::tools {
@@ -20,7 +22,7 @@ std::vector<ScapularMuscle> readScapularMuscles(const std::string& path) {
 }
 
 double tensionAt(const ScapularMuscle& muscle, double elevation) {
-  const double share = elevation / kArmRaised;
+  const double share = std::max(0.0, elevation - kSetting) / (kArmRaised - kSetting);
   return muscle.tension * share * share;
 }
 

@@ -19,9 +19,11 @@ struct ScapularMuscle {   // a row of model/anatomy/scapular_muscles.csv; left s
 // Throws std::runtime_error that names the file and the line.
 std::vector<ScapularMuscle> readScapularMuscles(const std::string& path);
 
+constexpr double kSetting = 30 * EIGEN_PI / 180;     // end of the setting phase, Inman 1944 [rad]
 constexpr double kArmRaised = 150 * EIGEN_PI / 180;  // [rad]
 
-// Tension of a muscle at an elevation of the humerus from straight down [rad]: with its square.
+// Tension of a muscle [N] at an elevation of the humerus from straight down [rad]: none in the
+// setting phase, then with the square of what is beyond it.
 double tensionAt(const ScapularMuscle& muscle, double elevation);
 
 }  // namespace torso::tools

@@ -29,7 +29,6 @@ struct ShoulderReport {
   // Over all poses [m].
   double gliding_distance, clearance, medial_border, inferior_angle;
 };
-constexpr double kSetting = 30 * EIGEN_PI / 180;  // end of the setting phase, Inman 1944 [rad]
 
 // Raises the arm to 150 degrees in `seconds` and lowers it, then moves the girdle. Throws Error.
 ShoulderReport measureShoulder(ShoulderBench& bench, double seconds,
