@@ -139,29 +139,31 @@ void addCostal(const Anatomy& a, std::vector<Facet>& facets) {
 }
 
 void addScapulothoracic(const Anatomy& a, std::vector<Facet>& facets) {
-  // van der Helm 1994, J Biomech 27:527-550, one ellipsoid for the whole thorax: half axes 93, 142
-  // and 205 mm, centred 58 mm behind and 145 mm below IJ; grown by serratus anterior, subscapularis
-  // and half the blade (assumed) to where the scapula's costal surface lies.
+  // An upright ellipsoid for each side, turned to face back and outwards, as in Seth et al. 2016,
+  // PLoS ONE 11:e0141028 (half axes 70, 70 and 150 mm, turned by 50 degrees). Fitted to our ribs 2 to
+  // 8, some 15 mm off them for serratus anterior and subscapularis, so that the scapula stays on it
+  // while it moves as bone pins do (shoulder_rhythm.csv), shrugs, protracts and retracts.
   Facet f;
   const Matrix3d turn = a.warp ? a.warp->thoraxRotation() : Matrix3d(Matrix3d::Identity());
   const Vector3d growth = a.warp ? a.warp->thoraxGrowth() : Vector3d(1, 1, 1);
-  const Vector3d centre =
-      a.landmark("suprasternal_notch_IJ") + turn * growth.cwiseProduct(Vector3d(-0.058, 0, -0.145));
-  f.radii = growth.cwiseProduct(Vector3d(0.093, 0.142, 0.205) + Vector3d(0.019, 0.013, 0.017));
-  // At 0.2 the scapula could leave the thorax by a centimetre; 0.03 leaves it 2.4 mm.
-  f.band = 0.03;
+  const Vector3d centre = a.landmark("suprasternal_notch_IJ") +
+                          turn * growth.cwiseProduct(Vector3d(-0.106, 0.075, -0.132));
+  const Matrix3d axes = Eigen::AngleAxisd(M_PI / 4, Vector3d::UnitZ()).toRotationMatrix();
+  f.radii = {0.0925, 0.0575, 0.159};
+  for (int k = 0; k < 3; k++) f.radii[k] *= growth.cwiseProduct(Vector3d(axes.col(k))).norm();
+  f.band = 0.045;  // about 2 mm
   f.ellipsoid = Isometry3d::Identity();
-  f.ellipsoid.linear() = turn;
+  f.ellipsoid.linear() = turn * axes;
   f.ellipsoid.translation() = centre;
   const Vector3d ts = a.landmark("scapula_root_of_spine_TS");
   const Vector3d ai = a.landmark("scapula_inferior_angle_AI");
   const Vector3d gh = a.landmark("glenohumeral_centre_GH");
   // Near the four corners of the blade: superior angle, root of the spine, inferior angle, neck.
-  const std::array<Vector3d, 4> corners = {ts + 0.35 * (ts - ai), ts + 0.1 * (ai - ts),
-                                           ai + 0.1 * (ts - ai), gh + 0.45 * (ts - gh)};
+  const std::array<Vector3d, 4> corners = {ts + 0.25 * (ts - ai), ts + 0.2 * (ai - ts),
+                                           ai + 0.2 * (ts - ai), gh + 0.45 * (ts - gh)};
   for (int i = 0; i < 4; i++) {
     const Vector3d from_centre = corners[i] - centre;
-    const Vector3d from_axes = turn.transpose() * from_centre;
+    const Vector3d from_axes = f.ellipsoid.linear().transpose() * from_centre;
     const double scale = from_axes.cwiseQuotient(f.radii).norm();
     f.points[i] = centre + from_centre / scale;
   }

@@ -17,7 +17,8 @@ struct FacetGap {
 // point: in the frame of the ellipsoid [m]. radii: its half axes [m], > 0; band: bound of |C|,
 // 0 < band < 1. rest: the point's place at rest, on C = 0; a point that has got past the middle of
 // the ellipsoid, where the level sets would push it out on the wrong side, is pushed back to that
-// side. The distance is exact to first order in the violation (level set function over its
+// side; one that slides by up to 107 degrees (in the ellipsoid's own scale) round the surface is
+// not. The distance is exact to first order in the violation (level set function over its
 // gradient).
 FacetGap facetGap(const Eigen::Vector3d& point, const Eigen::Vector3d& radii, double band,
                   const Eigen::Vector3d& rest);

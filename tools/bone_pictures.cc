@@ -10,6 +10,7 @@
 
 #include "tools/error.h"
 #include "tools/mujoco_support.h"
+#include "tools/plate.h"
 #include "tools/renderer.h"
 
 namespace torso::tools {
@@ -17,9 +18,6 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-struct View {
-  double azimuth, elevation;  // of a free camera [deg]
-};
 constexpr View kFront = {180, 0}, kLeft = {-90, 0}, kBack = {0, 0};
 
 // What a row of a picture shows, all its views in one scale.
@@ -76,40 +74,6 @@ std::vector<Sheet> sheets() {
 }
 
 constexpr int kShown = 1, kHidden = mjNGROUP - 1;
-// Pixels are means of squares of kFine, as drivers without a graphics card smooth edges little.
-constexpr int kFine = 2;
-
-// The scene as a plain, light background, seen from afar, so that one scale holds in depth. Light
-// comes from the camera's upper left and casts no shadows, which are patches on smooth bones.
-void preparePlate(mjModel* m) {
-  std::fill_n(m->tex_rgb, m->ntexdata, mjtByte{247});
-  std::fill_n(m->light_castshadow, m->nlight, mjtByte{0});
-  const auto set = [](auto* rgb, float value) { std::fill_n(rgb, 3, value); };
-  set(m->vis.headlight.ambient, 0.31f);
-  set(m->vis.headlight.diffuse, 0.26f);
-  set(m->vis.headlight.specular, 0.0f);
-  for (int i = 0; i < m->nlight; i++) {
-    set(m->light_diffuse + 3 * i, i == 0 ? 0.58f : 0.0f);
-    set(m->light_specular + 3 * i, i == 0 ? 0.12f : 0.0f);
-    m->light_directional[i] = 1;
-  }
-  m->vis.global.fovy = 8;
-  m->vis.quality.numslices = 48;
-  m->vis.quality.numstacks = 24;
-}
-
-void placeLight(const mjModel* m, mjData* d, const View& view) {
-  const double a = view.azimuth * mjPI / 180, e = view.elevation * mjPI / 180;
-  const mjtNum forward[3] = {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
-  const mjtNum right[3] = {std::sin(a), -std::cos(a), 0};
-  mjtNum up[3];
-  mju_cross(up, right, forward);
-  for (int i = 0; i < m->nlight; i++) {
-    mjtNum* direction = d->light_xdir + 3 * i;
-    for (int k = 0; k < 3; k++) direction[k] = 0.6 * forward[k] + 0.6 * right[k] - 0.8 * up[k];
-    mju_normalize3(direction);
-  }
-}
 
 bool contains(const Names& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -172,7 +136,7 @@ class Plate {
   }
 
   std::string png() {
-    Renderer renderer(m_.get(), kFine * sheet_.width, kFine * sheet_.height);
+    Renderer renderer(m_.get(), kFiner * sheet_.width, kFiner * sheet_.height);
     const int columns = static_cast<int>(sheet_.columns.size());
     const int rows = static_cast<int>(sheet_.rows.size());
     const int width = sheet_.width * columns;
@@ -181,12 +145,13 @@ class Plate {
       const std::vector<mjvCamera> cameras = frame(sheet_.rows[row]);
       for (int column = 0; column < columns; column++) {
         placeLight(m_.get(), d_.get(), sheet_.columns[column]);
-        const auto fine = renderer.pixels(d_.get(), option(), cameras[column]);
+        const auto cell = shrink(renderer.pixels(d_.get(), option(), cameras[column]), sheet_.width,
+                                 sheet_.height);
         // Rows of pixels go from below, rows of views from the top.
         const std::size_t below = std::size_t(rows - 1 - row) * sheet_.height;
         for (int y = 0; y < sheet_.height; y++) {
-          unsigned char* to = &rgb[3 * ((below + y) * width + column * sheet_.width)];
-          for (int x = 0; x < 3 * sheet_.width; x++) to[x] = mean(fine, x / 3, y, x % 3);
+          std::copy_n(&cell[3 * static_cast<std::size_t>(y) * sheet_.width], 3 * sheet_.width,
+                      &rgb[3 * ((below + y) * width + column * sheet_.width)]);
         }
       }
     }
@@ -194,16 +159,6 @@ class Plate {
   }
 
  private:
-  // A pixel's red, green or blue (0, 1, 2).
-  unsigned char mean(const std::vector<unsigned char>& fine, int x, int y, int colour) const {
-    int sum = 0;
-    for (int i = 0; i < kFine * kFine; i++) {
-      const std::size_t row = kFine * y + i / kFine, column = kFine * x + i % kFine;
-      sum += fine[3 * (row * kFine * sheet_.width + column) + colour];
-    }
-    return static_cast<unsigned char>(sum / (kFine * kFine));
-  }
-
   static mjvOption option() {
     mjvOption result;
     mjv_defaultOption(&result);

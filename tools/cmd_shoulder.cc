@@ -11,6 +11,7 @@
 #include "tools/commands.h"
 #include "tools/gnuplot.h"
 #include "tools/paths.h"
+#include "tools/shoulder_pictures.h"
 #include "tools/shoulder_rhythm.h"
 
 namespace torso::tools {
@@ -22,7 +23,7 @@ constexpr double kDegree = EIGEN_PI / 180;
 
 struct Options {
   double seconds = 60;
-  bool json = false;
+  bool json = false, no_muscles = false;
   std::string plot_folder;
 };
 
@@ -46,7 +47,8 @@ Json describe(const ShoulderPose& p) {
           {"clavicle_posterior_rotation_deg", p.clavicle_posterior_rotation / kDegree},
           {"gliding_distance_mm", p.gliding_distance * 1e3},
           {"clearance_mm", p.clearance * 1e3},
-          {"medial_border_mm", p.medial_border * 1e3}};
+          {"medial_border_mm", p.medial_border * 1e3},
+          {"inferior_angle_mm", p.inferior_angle * 1e3}};
 }
 
 Json describe(const std::vector<ShoulderPose>& poses) {
@@ -72,6 +74,8 @@ Json describe(const ShoulderReport& report, const std::vector<PublishedRhythm>& 
           {"lowering_ratio", report.lowering_ratio},
           {"gliding_distance_mm", report.gliding_distance * 1e3},
           {"clearance_mm", report.clearance * 1e3},
+          {"medial_border_mm", report.medial_border * 1e3},
+          {"inferior_angle_mm", report.inferior_angle * 1e3},
           {"raising", describe(report.raising)},
           {"lowering", describe(report.lowering)},
           {"girdle", girdle},
@@ -123,8 +127,11 @@ void print(const ShoulderReport& report, const std::vector<PublishedRhythm>& pub
   }
   fmt::print(
       "\nlargest distance of the scapula from its ellipsoid {:.1f} mm; least between the bones of "
-      "scapula and rib cage {:.1f} mm\n",
-      report.gliding_distance * 1e3, report.clearance * 1e3);
+      "scapula and rib cage {:.1f} mm;\nlargest of its medial border from the ribs {:.1f} mm, of "
+      "its inferior angle {:.1f} mm (at rest {:.1f} and {:.1f})\n",
+      report.gliding_distance * 1e3, report.clearance * 1e3, report.medial_border * 1e3,
+      report.inferior_angle * 1e3, report.rest.medial_border * 1e3,
+      report.rest.inferior_angle * 1e3);
 }
 
 void shoulder(const Options& options) {
@@ -132,7 +139,11 @@ void shoulder(const Options& options) {
   const Skeleton skeleton =
       readSkeleton(anatomy, mjcfFolder() + "/assets", ShoulderBench::bodies());
   ShoulderBench bench(anatomy, skeleton);
-  const ShoulderReport report = measureShoulder(bench, options.seconds);
+  std::vector<ScapularMuscle> muscles;
+  if (!options.no_muscles) {
+    muscles = readScapularMuscles(anatomyFolder() + "/scapular_muscles.csv");
+  }
+  const ShoulderReport report = measureShoulder(bench, options.seconds, muscles);
   const std::vector<PublishedRhythm> published =
       readShoulderRhythm(anatomyFolder() + "/shoulder_rhythm.csv");
   if (options.json) {
@@ -143,6 +154,7 @@ void shoulder(const Options& options) {
   }
   if (options.plot_folder.empty()) return;
   writeShoulderPlots(options.plot_folder, report, published);
+  writeShoulderPictures(options.plot_folder, loadModel(mjcfFolder() + "/human.xml").get(), report);
   runGnuplot("shoulder", options.plot_folder, "shoulder.gp");
 }
 
@@ -155,21 +167,26 @@ void addShoulder(CLI::App& app) {
   command->footer(
       "The left shoulder with the rib cage clamped. A couple between rib cage and humerus raises "
       "the\n"
-      "arm in the coronal plane to 150 degrees and lowers it; no servos, no gravity: the scapula\n"
-      "follows as the capsule of the glenohumeral joint, the springs of the clavicle's joints and\n"
-      "the ellipsoid that it glides on have it. Then, under gravity, the servos of the\n"
+      "arm in the coronal plane to 150 degrees and lowers it, and serratus anterior and trapezius\n"
+      "pull (model/anatomy/scapular_muscles.csv); no servos, no gravity: the scapula follows as\n"
+      "they, the capsule of the glenohumeral joint, the springs of the clavicle's joints and the\n"
+      "ellipsoid that it glides on have it. Then, under gravity, the servos of the\n"
       "sternoclavicular joint shrug, protract and retract the girdle. Angles as ISB defines them,\n"
       "from the pose at rest. Published curves: model/anatomy/shoulder_rhythm.csv.\n\n"
       "Examples:\n"
       "  torso shoulder\n"
       "  torso shoulder --plot out/shoulder\n"
+      "  torso shoulder --no-muscles\n"
       "  torso shoulder --json | jq .raising_ratio");
   command->add_option("--seconds", options->seconds, "Time to raise the arm, and to lower it [s]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_flag("--no-muscles", options->no_muscles,
+                    "Let the couple on the arm alone move the scapula");
   command->add_flag("--json", options->json, "Print JSON, with all poses");
   command->add_option("--plot", options->plot_folder,
-                      "Write the curves into this folder, and draw them with gnuplot");
+                      "Write the curves into this folder and draw them with gnuplot, and pictures "
+                      "of the poses");
   command->callback([options] { shoulder(*options); });
 }
 

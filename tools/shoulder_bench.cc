@@ -58,6 +58,7 @@ ShoulderBench::ShoulderBench(const Anatomy& anatomy, const Skeleton& skeleton)
   const auto id = [&](mjtObj type, const std::string& name) {
     return mj_name2id(m_.get(), type, name.c_str());
   };
+  ribcage_ = id(mjOBJ_BODY, "ribcage");
   scapula_ = id(mjOBJ_BODY, "left_scapula");
   clavicle_ = id(mjOBJ_BODY, "left_clavicle");
   humerus_ = id(mjOBJ_BODY, "left_upper_arm");
@@ -67,7 +68,8 @@ ShoulderBench::ShoulderBench(const Anatomy& anatomy, const Skeleton& skeleton)
   }
   const Vector3d ts = anatomy.landmark("scapula_root_of_spine_TS");
   const Vector3d ai = anatomy.landmark("scapula_inferior_angle_AI");
-  for (double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+  for (double share :
+       {-0.4, 0.0, 0.25, 0.5, 0.75, 1.0}) {  // from the superior to the inferior angle
     border_.push_back(skeleton.bone("left_scapula").nearest(ts + share * (ai - ts)).point);
   }
 }
@@ -78,11 +80,10 @@ Matrix3d ShoulderBench::turned(int body) const {
 }
 
 Isometry3d ShoulderBench::placed(int body, const Isometry3d& rest) const {
-  const int ribcage = mj_name2id(m_.get(), mjOBJ_BODY, "ribcage");
   Isometry3d X = Isometry3d::Identity(), R = Isometry3d::Identity();
   X.linear() = matrix3(d_->xmat + 9 * body);
   X.translation() = vector3(d_->xpos + 3 * body);
-  R.translation() = vector3(d_->xpos + 3 * ribcage);
+  R.translation() = vector3(d_->xpos + 3 * ribcage_);
   return bodyFrame(anatomy_, "ribcage") * R.inverse() * X * rest.inverse();
 }
 
@@ -95,7 +96,7 @@ ShoulderPose ShoulderBench::pose() const {
       landmark("acromioclavicular_joint_AC") - landmark("sternoclavicular_joint_SC");
   ShoulderPose p = {};
   p.time = d_->time;
-  p.elevation = std::acos(std::clamp(-(turned(humerus_) * shaftAtRest(anatomy_)).z(), -1.0, 1.0));
+  p.elevation = elevation();
   // ISB's sequence for the scapula: internal rotation, upward rotation, tilt.
   const Vector3d s = (turned(scapula_) * spine).normalized();
   const Vector3d normal = turned(scapula_) * back;
@@ -127,9 +128,18 @@ ShoulderPose ShoulderBench::pose() const {
     p.clearance = std::min(p.clearance, ribs.signedDistance(X * v));
   }
   for (const Vector3d& v : border_) {
-    p.medial_border = std::max(p.medial_border, ribs.nearest(X * v).distance);
+    p.inferior_angle = ribs.nearest(X * v).distance;
+    p.medial_border = std::max(p.medial_border, p.inferior_angle);
+  }
+  for (std::size_t k = 0; k < kShoulderJoints.size(); k++) {
+    const int joint = mj_name2id(m_.get(), mjOBJ_JOINT, kShoulderJoints[k]);
+    std::copy_n(d_->qpos + m_->jnt_qposadr[joint], 4, p.joints[k].begin());
   }
   return p;
+}
+
+double ShoulderBench::elevation() const {
+  return std::acos(std::clamp(-(turned(humerus_) * shaftAtRest(anatomy_)).z(), -1.0, 1.0));
 }
 
 void ShoulderBench::reset(bool servos) {
@@ -142,7 +152,25 @@ void ShoulderBench::reset(bool servos) {
   rest_ = pose();
 }
 
-void ShoulderBench::step(const Vector3d& shaft_target) {
+ShoulderPose ShoulderBench::rest() {
+  reset(false);
+  return pose();
+}
+
+void ShoulderBench::pull(const ScapularMuscle& muscle, double tension) {
+  const int body = muscle.on_clavicle ? clavicle_ : scapula_;
+  const auto now = [&](int b, const char* name, const Vector3d& standing) {
+    const Vector3d local = standing - bodyFrame(anatomy_, name).translation();
+    return Vector3d(vector3(d_->xpos + 3 * b) + matrix3(d_->xmat + 9 * b) * local);
+  };
+  const Vector3d end = now(body, muscle.on_clavicle ? "left_clavicle" : "left_scapula",
+                           anatomy_.landmark(muscle.landmark));
+  const Vector3d force = tension * (now(ribcage_, "ribcage", muscle.other) - end).normalized();
+  const Vector3d torque = Vector3d::Zero();
+  mj_applyFT(m_.get(), d_.get(), force.data(), torque.data(), end.data(), body, d_->qfrc_applied);
+}
+
+void ShoulderBench::step(const Vector3d& shaft_target, const std::vector<ScapularMuscle>& muscles) {
   mjModel* m = m_.get();
   mjData* d = d_.get();
   const Vector3d shaft = turned(humerus_) * shaftAtRest(anatomy_);
@@ -153,12 +181,15 @@ void ShoulderBench::step(const Vector3d& shaft_target) {
   const Vector3d couple =
       kGuide * error.angle() * error.axis() - kGuideDamping * (w - shaft * shaft.dot(w));
   mju_copy3(d->xfrc_applied + 6 * humerus_ + 3, couple.data());
+  mju_zero(d->qfrc_applied, m->nv);
+  for (const ScapularMuscle& muscle : muscles) pull(muscle, tensionAt(muscle, elevation()));
   mj_step(m, d);
   const std::string warning = firstWarning(d);
   if (!warning.empty()) throw Error(fmt::format("shoulder: {}", warning));
 }
 
-std::vector<ShoulderPose> ShoulderBench::raiseArm(double top, double seconds, int count) {
+std::vector<ShoulderPose> ShoulderBench::raiseArm(double top, double seconds, int count,
+                                                  const std::vector<ScapularMuscle>& muscles) {
   reset(false);
   const Vector3d rest = shaftAtRest(anatomy_);
   const double start = std::acos(-rest.z());
@@ -171,7 +202,7 @@ std::vector<ShoulderPose> ShoulderBench::raiseArm(double top, double seconds, in
       const double angle = start + share * (top - start);
       // At rest the arm hangs a little forward; it gets into the coronal plane within 15 degrees.
       const double forward = rest.x() * std::max(0.0, 1 - 10 * share);
-      step(Vector3d(forward, std::sin(angle), -std::cos(angle)).normalized());
+      step(Vector3d(forward, std::sin(angle), -std::cos(angle)).normalized(), muscles);
     }
     poses.push_back(pose());
   }

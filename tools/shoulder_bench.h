@@ -4,12 +4,14 @@
 // The left shoulder on the bench: rib cage clamped, with clavicle, scapula and arm.
 
 #include <Eigen/Geometry>
+#include <array>
 #include <string>
 #include <vector>
 
 #include "model/anatomy.h"
 #include "model/skeleton.h"
 #include "tools/mujoco_support.h"
+#include "tools/scapular_muscles.h"
 
 namespace torso::tools {
 
@@ -23,7 +25,13 @@ struct ShoulderPose {
   double gliding_distance;  // largest of the scapula's four points from its ellipsoid [m]
   double clearance;         // least between the meshes of scapula and rib cage, below 0 inside [m]
   double medial_border;     // largest distance of the scapula's medial border from the ribs [m]
+  double inferior_angle;    // of its lower end from them [m]
+  // Turns of sternoclavicular, acromioclavicular and glenohumeral joint, as in qpos.
+  std::array<std::array<double, 4>, 3> joints;
 };
+// The joints' names, in that order: "left_sternoclavicular" ...
+constexpr std::array<const char*, 3> kShoulderJoints = {
+    "left_sternoclavicular", "left_acromioclavicular", "left_glenohumeral"};
 
 // Ways to move the shoulder girdle with the arm hanging, by its servos.
 enum class GirdleMotion { kElevation, kDepression, kProtraction, kRetraction };
@@ -39,12 +47,17 @@ class ShoulderBench {
   // Throws Error.
   ShoulderBench(const Anatomy& anatomy, const Skeleton& skeleton);
 
+  // With the arm at the side, nothing pulling.
+  ShoulderPose rest();
+
   // Raises the arm in the coronal plane to `top` [rad] within `seconds` and lowers it as slowly: a
-  // couple between rib cage and humerus turns the shaft of the humerus, which may spin. No servos
-  // and no gravity: what the scapula does comes of capsule, joints and the ellipsoid it glides on.
+  // couple between rib cage and humerus turns the shaft of the humerus, which may spin, and the
+  // muscles pull at scapula and clavicle. No servos and no gravity: the rest of what the scapula
+  // does comes of capsule, joints and the ellipsoid it glides on.
   // Poses at equal times, `count` on the way up and as many on the way down. Throws Error if MuJoCo
   // warns.
-  std::vector<ShoulderPose> raiseArm(double top, double seconds, int count);
+  std::vector<ShoulderPose> raiseArm(double top, double seconds, int count,
+                                     const std::vector<ScapularMuscle>& muscles);
 
   // Where the servos of the sternoclavicular joint bring the girdle, the others held at rest, under
   // gravity: the pose at rest, then `count` poses on the way to the end of the servo's range.
@@ -52,7 +65,9 @@ class ShoulderBench {
 
  private:
   void reset(bool servos);
-  void step(const Eigen::Vector3d& shaft_target);
+  void step(const Eigen::Vector3d& shaft_target, const std::vector<ScapularMuscle>& muscles);
+  void pull(const ScapularMuscle& muscle, double tension);  // adds to qfrc_applied
+  double elevation() const;                                 // of the humerus [rad]
   ShoulderPose pose() const;
   Eigen::Matrix3d turned(int body) const;  // from rest to now, rib cage axes
   Eigen::Isometry3d placed(int body, const Eigen::Isometry3d& rest) const;
@@ -61,8 +76,8 @@ class ShoulderBench {
   const Skeleton& skeleton_;
   ModelPtr m_;
   DataPtr d_;
-  int scapula_, clavicle_, humerus_, ellipsoid_, points_[4];  // bodies; geoms
-  std::vector<Eigen::Vector3d> border_;                       // medial border [m], standing body
+  int ribcage_, scapula_, clavicle_, humerus_, ellipsoid_, points_[4];  // bodies; geoms
+  std::vector<Eigen::Vector3d> border_;  // medial border, inferior angle last [m], standing body
   ShoulderPose rest_ = {};
 };
 

@@ -60,9 +60,11 @@ double upwardRotationAt(const std::vector<ShoulderPose>& poses, double elevation
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-ShoulderReport measureShoulder(ShoulderBench& bench, double seconds) {
+ShoulderReport measureShoulder(ShoulderBench& bench, double seconds,
+                               const std::vector<ScapularMuscle>& muscles) {
   ShoulderReport report = {};
-  report.raising = bench.raiseArm(kArmRaised, seconds, kPoses);
+  report.rest = bench.rest();
+  report.raising = bench.raiseArm(kArmRaised, seconds, kPoses, muscles);
   report.lowering.assign(report.raising.begin() + kPoses - 1, report.raising.end());
   report.raising.resize(kPoses);
   report.raising_ratio = elevationRatio(report.raising);
@@ -75,6 +77,8 @@ ShoulderReport measureShoulder(ShoulderBench& bench, double seconds) {
     for (const ShoulderPose& p : poses) {
       report.gliding_distance = std::max(report.gliding_distance, p.gliding_distance);
       report.clearance = std::min(report.clearance, p.clearance);
+      report.medial_border = std::max(report.medial_border, p.medial_border);
+      report.inferior_angle = std::max(report.inferior_angle, p.inferior_angle);
     }
   };
   include(report.raising);
@@ -89,15 +93,16 @@ void writeShoulderPlots(const std::string& folder, const ShoulderReport& report,
   std::string table =
       "way,elevation_deg,upward_rotation_deg,posterior_tilt_deg,external_rotation_deg,"
       "clavicle_elevation_deg,clavicle_retraction_deg,clavicle_posterior_rotation_deg,"
-      "gliding_distance_mm,clearance_mm\n";
+      "gliding_distance_mm,clearance_mm,medial_border_mm,inferior_angle_mm\n";
   for (const bool up : {true, false}) {
     for (const ShoulderPose& p : up ? report.raising : report.lowering) {
-      table += fmt::format("{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f}\n",
-                           up ? "raising" : "lowering", p.elevation / kDegree,
-                           p.upward_rotation / kDegree, p.posterior_tilt / kDegree,
-                           p.external_rotation / kDegree, p.clavicle_elevation / kDegree,
-                           p.clavicle_retraction / kDegree, p.clavicle_posterior_rotation / kDegree,
-                           p.gliding_distance * 1e3, p.clearance * 1e3);
+      table += fmt::format(
+          "{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f}\n",
+          up ? "raising" : "lowering", p.elevation / kDegree, p.upward_rotation / kDegree,
+          p.posterior_tilt / kDegree, p.external_rotation / kDegree, p.clavicle_elevation / kDegree,
+          p.clavicle_retraction / kDegree, p.clavicle_posterior_rotation / kDegree,
+          p.gliding_distance * 1e3, p.clearance * 1e3, p.medial_border * 1e3,
+          p.inferior_angle * 1e3);
     }
     table += "\n\n";  // gnuplot: the next data set
   }

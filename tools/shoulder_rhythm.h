@@ -21,18 +21,18 @@ struct PublishedRhythm {  // a row of model/anatomy/shoulder_rhythm.csv
 std::vector<PublishedRhythm> readShoulderRhythm(const std::string& path);
 
 struct ShoulderReport {
+  ShoulderPose rest;                            // arm at the side
   std::vector<ShoulderPose> raising, lowering;  // elevation rises, falls
   // Degrees of glenohumeral elevation per degree of upward rotation, from kSetting on.
   double raising_ratio, lowering_ratio;
   std::vector<std::pair<GirdleMotion, std::vector<ShoulderPose>>> girdle;
   // Over all poses [m].
-  double gliding_distance, clearance;
+  double gliding_distance, clearance, medial_border, inferior_angle;
 };
-constexpr double kSetting = 30 * EIGEN_PI / 180;     // end of the setting phase, Inman 1944 [rad]
-constexpr double kArmRaised = 150 * EIGEN_PI / 180;  // [rad]
 
 // Raises the arm to 150 degrees in `seconds` and lowers it, then moves the girdle. Throws Error.
-ShoulderReport measureShoulder(ShoulderBench& bench, double seconds);
+ShoulderReport measureShoulder(ShoulderBench& bench, double seconds,
+                               const std::vector<ScapularMuscle>& muscles);
 
 // Upward rotation at an elevation, between the poses next to it [rad]; NaN outside of them.
 double upwardRotationAt(const std::vector<ShoulderPose>& poses, double elevation);

@@ -99,6 +99,16 @@ TEST(FacetGapTest, LeadsBackFromTheWrongSide) {
   EXPECT_GT(wrong, 50);
 }
 
+// The scapula's points slide by more than a quarter round their ellipsoid.
+TEST(FacetGapTest, LetsAPointSlideFarRound) {
+  const Vector3d radii(0.09, 0.06, 0.16), rest(0, radii.y(), 0);
+  for (double angle = 0; angle < 100 * M_PI / 180; angle += 0.01) {
+    const Vector3d p =
+        Vector3d(0.8 * std::sin(angle), std::cos(angle), 0.6 * std::sin(angle)).cwiseProduct(radii);
+    EXPECT_LT(facetGap(p, radii, kBand, rest).violation, 0) << angle;
+  }
+}
+
 TEST(FacetGapTest, CentreIsNoSingularity) {
   const Vector3d radii(0.015, 0.021, 0.005), rest(0, 0, 0.005);
   const FacetGap gap = facetGap(Vector3d::Zero(), radii, kBand, rest);

@@ -17,7 +17,8 @@ const ShoulderReport& report() {
     const Skeleton skeleton =
         readSkeleton(anatomy(), TORSO_MJCF "/assets", ShoulderBench::bodies());
     ShoulderBench bench(anatomy(), skeleton);
-    return measureShoulder(bench, 20);
+    return measureShoulder(bench, 20,
+                           readScapularMuscles(TORSO_ANATOMY_DIR "/scapular_muscles.csv"));
   }();
   return r;
 }
@@ -43,6 +44,26 @@ TEST(Shoulder, ScapulaFollowsTheArmAsPublished) {
   EXPECT_LT(report().raising_ratio, 2.6);
 }
 
+// At the top the scapula is tilted back and the clavicle has turned as bone pins say, but for a few
+// degrees; external rotation is too small, see README.
+TEST(Shoulder, ScapulaTiltsAndClavicleTurnsAsPublished) {
+  const ShoulderPose& top = report().raising.back();
+  int compared = 0;
+  for (const PublishedRhythm& row : readShoulderRhythm(TORSO_ANATOMY_DIR "/shoulder_rhythm.csv")) {
+    SCOPED_TRACE(row.quantity);
+    const double ours = row.quantity == "posterior_tilt"        ? top.posterior_tilt
+                        : row.quantity == "clavicle_elevation"  ? top.clavicle_elevation
+                        : row.quantity == "clavicle_retraction" ? top.clavicle_retraction
+                        : row.quantity == "clavicle_posterior_rotation"
+                            ? top.clavicle_posterior_rotation
+                            : NAN;
+    if (std::isnan(ours)) continue;
+    EXPECT_NEAR(ours / kDegree, row.value / kDegree, 8);
+    compared++;
+  }
+  EXPECT_EQ(compared, 4);
+}
+
 // In the setting phase the scapula does less than afterwards.
 TEST(Shoulder, ScapulaSetsBeforeItTurns) {
   const auto& poses = report().raising;
@@ -56,6 +77,9 @@ TEST(Shoulder, ScapulaSetsBeforeItTurns) {
 TEST(Shoulder, ScapulaGlidesOnTheThoraxAndDoesNotCutIntoIt) {
   EXPECT_LT(report().gliding_distance, 3e-3);
   EXPECT_GT(report().clearance, 0);
+  // Nor wing.
+  EXPECT_LT(report().medial_border, report().rest.medial_border + 5e-3);
+  EXPECT_LT(report().inferior_angle, report().rest.inferior_angle + 5e-3);
 }
 
 // The servos move the clavicle by most of their range, and the medial border stays on the ribs.
