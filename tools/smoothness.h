@@ -22,6 +22,10 @@ struct Smoothness {
 Smoothness smoothness(const std::vector<std::vector<Eigen::Vector3d>>& input,
                       const std::vector<std::vector<Eigen::Vector3d>>& output, double rate);
 
+// Share of the power that is above a frequency [Hz], of turns as above.
+double powerShareAbove(const std::vector<std::vector<Eigen::Vector3d>>& turns, double rate,
+                       double frequency);
+
 // Turns of the held bones (kHeldBones) on the pelvis, frame by frame: the input of a retrofit.
 std::vector<std::vector<Eigen::Vector3d>> heldTurns(const HeldMotion& held);
 
