@@ -67,8 +67,34 @@ TEST(Mppi, FailedSamplesHaveNoWeight) {
   const MppiReport none = mppiIterate(
       options, {0.5}, 2, [](const std::vector<Vector>& x) { return Vector(x.size(), INFINITY); },
       &state);
-  EXPECT_EQ(none.failed, options.samples);
+  EXPECT_EQ(none.failed, options.samples - 1) << "the nominal is known";
   EXPECT_EQ(state.nominal, before);
+}
+
+// A hollow at 1 between two ridges: the mean of samples in the hollow and beyond it may be on a
+// ridge, and is then not taken.
+TEST(Mppi, TheNominalNeverGetsWorse) {
+  MppiOptions options;
+  options.samples = 8;
+  MppiState state;
+  state.nominal = {0, 0};
+  const auto costs = [](const std::vector<Vector>& x) {
+    Vector all;
+    for (const Vector& v : x) all.push_back(-std::cos(9 * v[0]) * std::cos(9 * v[1]) + v[0]);
+    return all;
+  };
+  double before = INFINITY;
+  int unchanged = 0;
+  for (int i = 0; i < 30; i++) {
+    const MppiReport report = mppiIterate(options, {0.5, 0.5}, 1, costs, &state);
+    EXPECT_LE(report.nominal_cost, before) << i;
+    EXPECT_EQ(state.nominal_cost, costs({state.nominal})[0]) << i;
+    EXPECT_LE(state.best_cost, state.nominal_cost) << i;
+    unchanged += report.nominal_cost == before;
+    before = report.nominal_cost;
+  }
+  EXPECT_GT(unchanged, 0) << "no update was refused";
+  EXPECT_LT(before, -1.5);
 }
 
 // 1 kg on a rail, pushed by up to 1 N.
