@@ -561,7 +561,7 @@ void Writer::writeContacts() {
   for (const char* side : {"left_", "right_"}) {
     for (const char* part : {"clavicle", "ribcage"}) {
       const std::string body = part == std::string("ribcage") ? part : std::string(side) + part;
-      exclude(std::string(side) + "upper_arm", body);
+      exclude(std::string(side) + "upper_arm", host(body));
     }
     for (const char* level : {"L5", "L4"}) {
       if (host(level) != "pelvis") exclude(std::string(side) + "thigh", host(level));
