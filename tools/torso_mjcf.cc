@@ -35,6 +35,11 @@ constexpr int kCollisionGroup = 3, kFacetGroup = 4, kSiteGroup = 4;
 // limbs and head also meet each other, the rib cage, the lumbar slices and the pelvis.
 constexpr int kWorldBit = 1, kLimbBit = 2;
 
+// Of bones with the world and each other.
+constexpr double kFriction[3] = {0.8, 0.005, 0.0001};  // MuJoCo's sliding, torsional, rolling
+constexpr const char* kContactSolref = "0.01 1";
+constexpr const char* kContactSolimp = "0.9 0.95 0.005";
+
 // Facet pairs: the margin passes them through the bounding-sphere filter at any excursion. The gap
 // is so much larger that stock MuJoCo, to which a point on an ellipsoid is a penetration in any
 // direction, never acts on them; the plugin reports distances below it (facet_collider.h).
@@ -105,6 +110,9 @@ class Writer {
   std::string axesSite(const std::string& body);
   void writeSites();
   void writeContacts();
+  void writeTrunkPairs(XMLElement* contact, const std::string& limb,
+                       const std::set<std::string>& excluded) const;
+  bool neighbours(const std::string& limb, const std::string& part) const;
   void writeTendons();
   void writeEqualities();
   void writeActuators();
@@ -221,10 +229,10 @@ void Writer::writeDefaults() {
         .set("contype", contype)
         .set("conaffinity", conaffinity)
         .set("condim", 3)
-        .set("friction", {0.8, 0.005, 0.0001})
+        .set("friction", {kFriction[0], kFriction[1], kFriction[2]})
         .set("mass", 0)
-        .set("solref", "0.01 1")
-        .set("solimp", "0.9 0.95 0.005")
+        .set("solref", kContactSolref)
+        .set("solimp", kContactSolimp)
         .set("rgba", {0.8, 0.5, 0.4, 0.35});
   };
   collision("spine", 0, kWorldBit);
@@ -551,6 +559,38 @@ void Writer::writeSites() {
   }
 }
 
+// A body that is excluded as the neighbour of a limb may be moulded of other parts too. Those meet
+// the limb, as in the detailed torso, by pairs of geoms.
+void Writer::writeTrunkPairs(XMLElement* contact, const std::string& limb,
+                             const std::set<std::string>& excluded) const {
+  for (const std::string& part : mjcfBodies(a_, o_)) {
+    if (!excluded.count(host(part)) || neighbours(limb, part)) continue;
+    int count = 0;
+    for (const CollisionShape& shape : collisionShapes(a_, part)) {
+      const std::string name = fmt::format("{}_collision{}", part, count++);
+      if (shape.kind != "trunk") continue;
+      Element(contact, "pair")
+          .set("geom1", named(limb + "_collision0"))
+          .set("geom2", named(name))
+          .set("condim", 3)
+          .set("friction", {kFriction[0], kFriction[0], kFriction[1], kFriction[2], kFriction[2]})
+          .set("solref", kContactSolref)
+          .set("solimp", kContactSolimp);
+    }
+  }
+}
+
+// The torso's parts beside a limb's own joint, which it overlaps.
+bool Writer::neighbours(const std::string& limb, const std::string& part) const {
+  const auto [side, name] = splitSide(limb);
+  static const std::map<std::string, std::set<std::string>> kNeighbours = {
+      {"upper_arm", {"scapula", "clavicle", "ribcage"}}, {"thigh", {"pelvis", "L5", "L4"}}};
+  const auto found = kNeighbours.find(name);
+  const auto [part_side, part_name] = splitSide(part);
+  return found != kNeighbours.end() && found->second.count(part_name) > 0 &&
+         (part_side == side || part_side == Side::kMiddle);
+}
+
 void Writer::writeContacts() {
   Element contact(root_, "contact");
   // Neighbours that are not parent and child in the tree.
@@ -559,12 +599,14 @@ void Writer::writeContacts() {
     Element(contact, "exclude").set("body1", named(one)).set("body2", named(two));
   };
   for (const char* side : {"left_", "right_"}) {
-    for (const char* part : {"clavicle", "ribcage"}) {
-      const std::string body = part == std::string("ribcage") ? part : std::string(side) + part;
-      exclude(std::string(side) + "upper_arm", host(body));
-    }
-    for (const char* level : {"L5", "L4"}) {
-      if (host(level) != "pelvis") exclude(std::string(side) + "thigh", host(level));
+    for (const char* limb : {"upper_arm", "thigh"}) {
+      const std::string body = std::string(side) + limb;
+      std::set<std::string> met;
+      for (const std::string& part : mjcfBodies(a_, o_)) {
+        if (neighbours(body, part)) met.insert(host(part));
+      }
+      for (const std::string& part : met) exclude(body, part);
+      if (!detailed() && bodies_.count(body)) writeTrunkPairs(contact, body, met);
     }
   }
   exclude("head", "ribcage");
