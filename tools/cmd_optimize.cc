@@ -190,7 +190,7 @@ Json runAll(const Options& options, const Processes& processes) {
     summary["core_s_ratio"] = all[0]["core_s"].get<double>() / all[1]["core_s"].get<double>();
   }
   if (processes.rank() == 0) {
-    writeFiles({{options.optimize.output + "/summary.json", summary.dump(2) + "\n"}});
+    writeFiles({{options.optimize.output + "/result.json", summary.dump(2) + "\n"}});
   }
   return summary;
 }
