@@ -603,7 +603,8 @@ void Writer::writeContacts() {
       const std::string body = std::string(side) + limb;
       std::set<std::string> met;
       for (const std::string& part : mjcfBodies(a_, o_)) {
-        if (neighbours(body, part)) met.insert(host(part));
+        const bool parent = part == "pelvis" || splitSide(part).second == "scapula";
+        if (!parent && neighbours(body, part)) met.insert(host(part));
       }
       for (const std::string& part : met) exclude(body, part);
       if (!detailed() && bodies_.count(body)) writeTrunkPairs(contact, body, met);
