@@ -1,16 +1,21 @@
 // Copyright 2026 The mujoco-torso authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
+#include "tools/build_models.h"
 #include "tools/commands.h"
 #include "tools/control_problem.h"
 #include "tools/error.h"
+#include "tools/files.h"
 #include "tools/optimize.h"
 #include "tools/paths.h"
 #include "tools/processes.h"
@@ -26,7 +31,8 @@ struct Options {
   OptimizeOptions optimize;
   std::optional<double> horizon, timestep, knots, temperature, noise, noise_decay;
   std::optional<int> samples, iterations;
-  bool json = false, list = false;
+  int seeds = 1;
+  bool compare = false, json = false, list = false;
 };
 
 // Ctrl-C ends the iteration at hand, which is lost; a second one ends the program.
@@ -61,25 +67,34 @@ void printRow(const Json& row) {
   std::fflush(stdout);
 }
 
-void run(Options options) {
-  if (options.list) return listTasks();
-  if (options.task.empty()) {
-    throw CLI::ValidationError("TASK", "give a task, or --list to see those there are");
-  }
-  OptimizeOptions& o = options.optimize;
-  Task& task = o.task = findTask(options.task);
-  replace(options.horizon, &task.horizon);
-  replace(options.timestep, &task.timestep);
-  replace(options.knots, &task.knot_interval);
-  o.iterations = options.iterations.value_or(task.iterations);
-  o.mppi.samples = options.samples.value_or(task.samples);
-  o.mppi.temperature = options.temperature.value_or(task.temperature);
-  o.mppi.noise = options.noise.value_or(task.noise);
-  o.mppi.noise_decay = options.noise_decay.value_or(task.noise_decay);
+void setUp(Options* options) {
+  OptimizeOptions& o = options->optimize;
+  Task& task = o.task = findTask(options->task);
+  replace(options->horizon, &task.horizon);
+  replace(options->timestep, &task.timestep);
+  replace(options->knots, &task.knot_interval);
+  o.iterations = options->iterations.value_or(task.iterations);
+  o.mppi.samples = options->samples.value_or(task.samples);
+  o.mppi.temperature = options->temperature.value_or(task.temperature);
+  o.mppi.noise = options->noise.value_or(task.noise);
+  o.mppi.noise_decay = options->noise_decay.value_or(task.noise_decay);
   if (o.model.empty()) o.model = mjcfFolder() + "/human.xml";
   if (o.output.empty()) o.output = task.name + "_optimum";
+}
 
-  const Processes processes;
+// The model, and for a comparison the same body with a fixed torso.
+std::vector<std::string> models(const Options& options) {
+  const std::string& model = options.optimize.model;
+  if (!options.compare) return {model};
+  const std::string fixed = humanBeside(model, TorsoKind::kFixed);
+  if (fixed.empty()) {
+    throw Error(model + ": no body with a fixed torso is beside it; write one with torso build");
+  }
+  return {model, fixed};
+}
+
+// One optimisation, with a table of its iterations.
+Json runOne(const OptimizeOptions& o, bool print, const Processes& processes) {
   const bool leads = processes.rank() == 0;
   std::optional<ProgressBar> bar;
   if (leads) bar.emplace();
@@ -89,7 +104,7 @@ void run(Options options) {
     if (bar) bar->show(share);
   };
   watch.iteration = [&](const Json& row) {
-    if (!leads || options.json) return;
+    if (!leads || !print) return;
     bar->clear();
     if (row["iteration"] == 0) {
       fmt::print(
@@ -97,26 +112,112 @@ void run(Options options) {
     }
     printRow(row);
   };
+  const Json result = optimize(o, processes, watch);
+  if (bar) bar->clear();
+  if (leads && print) {
+    fmt::print("cost {:.6f} at the start, {:.6f} at best; {:.0f} core-seconds; files in {}\n",
+               result["start_cost"].get<double>(), result["best_cost"].get<double>(),
+               result["core_s"].get<double>(), o.output);
+  }
+  return result;
+}
+
+// Of the runs of one model from several seeds.
+Json bodyOf(const std::string& model, const std::vector<Json>& runs) {
+  Json body = {{"model", std::filesystem::path(model).stem().string()},
+               {"start_cost", runs[0]["start_cost"]},
+               {"parameters", runs[0]["parameters"]}};
+  double sum = 0, squares = 0, core_s = 0;
+  for (const Json& run : runs) {
+    const double cost = run["best_cost"];
+    body["best_costs"].push_back(cost);
+    if (run.contains("spine")) body["spines"].push_back(run["spine"]);
+    sum += cost;
+    core_s += run["core_s"].get<double>();
+  }
+  const auto n = static_cast<double>(runs.size());
+  for (const double cost : body["best_costs"]) squares += (cost - sum / n) * (cost - sum / n);
+  body["mean_cost"] = sum / n;
+  body["sd"] = n > 1 ? Json(std::sqrt(squares / (n - 1))) : Json();
+  body["core_s"] = core_s / n;
+  return body;
+}
+
+void printSummary(const Json& summary) {
+  fmt::print("{:14} {:>6} {:>9} {:>9} {:>7} {:>9} {:>9} {:>7}\n", "body", "knots", "start", "mean",
+             "sd", "least", "largest", "core_s");
+  for (const Json& body : summary["bodies"]) {
+    const std::vector<double> costs = body["best_costs"];
+    const auto [least, largest] = std::minmax_element(costs.begin(), costs.end());
+    fmt::print("{:14} {:>6} {:>9.3f} {:>9.3f} {:>7} {:>9.3f} {:>9.3f} {:>7.0f}\n",
+               body["model"].get<std::string>(), body["parameters"].get<int>(),
+               body["start_cost"].get<double>(), body["mean_cost"].get<double>(),
+               cell(body, "sd", "{:.3f}"), *least, *largest, body["core_s"].get<double>());
+  }
+  if (summary.contains("core_s_ratio")) {
+    fmt::print("the detailed torso takes {:.0f} times the time of the fixed one\n",
+               summary["core_s_ratio"].get<double>());
+  }
+}
+
+// Each run has a folder of its own: OUTPUT, OUTPUT/seed1, OUTPUT/human_fixed/seed1, ...
+Json runAll(const Options& options, const Processes& processes) {
+  Json summary;
+  const std::vector<std::string> bodies = models(options);
+  for (const std::string& model : bodies) {
+    std::vector<Json> runs;
+    for (int i = 0; i < options.seeds; i++) {
+      OptimizeOptions o = options.optimize;
+      o.model = model;
+      if (options.compare) o.output += "/" + std::filesystem::path(model).stem().string();
+      o.mppi.seed += static_cast<std::uint64_t>(i);
+      if (options.seeds > 1) o.output += fmt::format("/seed{}", o.mppi.seed);
+      runs.push_back(runOne(o, !options.json, processes));
+    }
+    if (bodies.size() == 1 && runs.size() == 1) return runs[0];
+    if (summary.is_null()) {
+      summary = runs[0];
+      for (const char* key :
+           {"knobs", "parameters", "start_cost", "best_cost", "rows", "spine", "core_s"}) {
+        summary.erase(key);
+      }
+      summary["seeds"] = options.seeds;
+    }
+    summary["bodies"].push_back(bodyOf(model, runs));
+  }
+  const Json& all = summary["bodies"];
+  if (all.size() > 1) {
+    summary["core_s_ratio"] = all[0]["core_s"].get<double>() / all[1]["core_s"].get<double>();
+  }
+  if (processes.rank() == 0) {
+    writeFiles({{options.optimize.output + "/result.json", summary.dump(2) + "\n"}});
+  }
+  return summary;
+}
+
+void run(Options options) {
+  if (options.list) return listTasks();
+  if (options.task.empty()) {
+    throw CLI::ValidationError("TASK", "give a task, or --list to see those there are");
+  }
+  setUp(&options);
+  const Processes processes;
   std::signal(SIGINT, onInterrupt);
   Json result;
   try {
-    result = optimize(o, processes, watch);
+    result = runAll(options, processes);
   } catch (const ControlProblem::Cancelled&) {
-    bar.reset();
     std::cerr << "torso optimize: interrupted; --resume goes on from the last iteration\n";
     std::signal(SIGINT, SIG_DFL);
     std::raise(SIGINT);
   }
-  bar.reset();
   processes.leave();
-  if (!leads) return;
+  if (processes.rank() != 0) return;
   if (options.json) {
     std::cout << result.dump(2) << std::endl;
-    return;
+  } else if (result.contains("bodies")) {
+    printSummary(result);
   }
-  fmt::print("cost {:.6f} at the start, {:.6f} at best; {:.0f} core-seconds; files in {}\n",
-             result["start_cost"].get<double>(), result["best_cost"].get<double>(),
-             result["core_s"].get<double>(), o.output);
 }
 
 }  // namespace
@@ -135,8 +236,14 @@ void addOptimize(CLI::App& app) {
       "It prints, and writes to cost.csv, the cost of the nominal controls of each iteration, the\n"
       "best so far, mean and spread (median less smallest) of the samples, how many samples the\n"
       "mean rests on, and how many failed. The folder also gets best.motion (torso view\n"
-      "--motion), controls.csv, result.json, checkpoint.json and, for a task with a scene of its\n"
-      "own, scene.xml, the model to view it with.\n\n"
+      "--motion), controls.csv, spine.csv (how lumbar, thoracic and cervical spine bend along "
+      "it),\n"
+      "result.json (also how jittery the neck is), checkpoint.json and, for a task with a scene "
+      "of\n"
+      "its own, scene.xml, the model to view it with.\n\n"
+      "--seeds and --compare run it several times, each in a folder of its own, and print and "
+      "write\n"
+      "(summary.json) mean and spread.\n\n"
       "All of them are the same, byte for byte, for any number of threads, and of processes under\n"
       "mpirun, and after a kill and --resume, on machines of one kind.\n\n"
       "Examples:\n"
@@ -145,6 +252,7 @@ void addOptimize(CLI::App& app) {
       "  torso optimize swing -o swing --threads 2 --resume\n"
       "  torso view swing/scene.xml --motion swing/best.motion\n"
       "  torso optimize jump --model mjcf/human_fixed.xml -o jump_fixed\n"
+      "  torso optimize swing --seeds 3 --compare -o swing       detailed against fixed torso\n"
       "  torso optimize mine.json --samples 128 --iterations 50 --seed 3");
   command->add_option("TASK", options->task, "Its name, or a file TASK.json");
   command->add_flag("--list", options->list, "List the tasks that come with torso");
@@ -171,6 +279,11 @@ void addOptimize(CLI::App& app) {
   command->add_option("--noise-decay", options->noise_decay, "Factor on it after each iteration")
       ->check(CLI::Range(0.1, 1.0));
   command->add_option("--seed", o.mppi.seed, "Of the noise")->capture_default_str();
+  command->add_option("--seeds", options->seeds, "Run from so many seeds, from --seed on")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_flag("--compare", options->compare,
+                    "Run also the same body with a fixed torso, MODEL_fixed.xml");
   command->add_option("--threads", o.threads, "Number of threads")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();

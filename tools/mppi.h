@@ -10,7 +10,9 @@
 // Information-theoretic MPPI of Williams, Wagener, Goldfain, Drews, Rehg, Boots and Theodorou,
 // "Information theoretic MPC for model-based reinforcement learning", ICRA 2017, algorithm 2, with
 // the nominal controls as the base distribution: its cost of control lambda u^T Sigma^-1 e is then
-// zero. Knows nothing of MuJoCo.
+// zero. That is for a loop of control, where an update is driven whatever it costs. Here it is
+// evaluated before it is taken: one that costs more than the nominal gives way to the best so far,
+// so that the nominal's cost never rises. Knows nothing of MuJoCo.
 
 #include <cstdint>
 #include <functional>
@@ -20,7 +22,7 @@ namespace torso::tools {
 
 struct MppiOptions {
   std::uint64_t seed = 0;
-  int samples = 64;  // cost evaluations in an iteration, at least 2: one of them of the nominal
+  int samples = 64;  // cost evaluations in an iteration, at least 2: one of them of the update
   // lambda. As a share of the costs' spread, which is their median less their smallest: of the
   // samples of an iteration, half then weigh less than exp(-1 / temperature) of the best
   double temperature = 0.2;
@@ -33,13 +35,14 @@ struct MppiOptions {
 struct MppiState {
   int iteration = 0;            // done so far
   std::vector<double> nominal;  // u
+  double nominal_cost = 0;      // infinite if its rollout failed; of no account before the first
   std::vector<double> best;     // parameters of the smallest cost so far; empty: none was finite
   double best_cost = 0;
 };
 
 struct MppiReport {
   int iteration;         // updates that led to the nominal
-  double nominal_cost;   // of u before this iteration's update; infinite if its rollout failed
+  double nominal_cost;   // of u before this iteration's update
   double best_cost;      // smallest so far
   double mean, spread;   // of the costs of this iteration that are finite; spread: as above
   double effective;      // 1 / sum w^2, the samples that the update rests on
@@ -51,10 +54,10 @@ struct MppiReport {
 using MppiCosts =
     std::function<std::vector<double>(const std::vector<std::vector<double>>& parameters)>;
 
-// One iteration. sigma: standard deviation of each parameter's noise (as many as parameters). The
-// first sample is the nominal, and the best so far takes part in the mean without being evaluated
-// again, so that nothing found is lost. Parameters stay within [-limit, limit]. If all samples fail
-// the nominal stays as it is. What `costs` throws leaves *state as it was.
+// One iteration; the first has one cost evaluation more, of the nominal. sigma: standard deviation
+// of each parameter's noise (as many as parameters). The nominal and the best so far take part in
+// the mean, so that nothing found is lost. Parameters stay within [-limit, limit]. If all samples
+// fail the nominal stays as it is. What `costs` throws leaves *state as it was.
 MppiReport mppiIterate(const MppiOptions& options, const std::vector<double>& sigma, double limit,
                        const MppiCosts& costs, MppiState* state);
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <filesystem>
@@ -17,6 +18,7 @@
 #include "tools/mujoco_support.h"
 #include "tools/random.h"
 #include "tools/run_record.h"
+#include "tools/spine_motion.h"
 #include "tools/task_scene.h"
 
 namespace torso::tools {
@@ -25,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr char kFormat[] = "torso optimize 1";
+constexpr char kFormat[] = "torso optimize 2";
 
 double processSeconds() {
   timespec t;
@@ -73,6 +75,7 @@ std::string checkpointText(const Checkpoint& c, const Json& settings) {
               {"settings", settings},
               {"iteration", c.state.iteration},
               {"nominal", c.state.nominal},
+              {"nominal_cost", c.state.nominal_cost},
               {"best", c.state.best},
               {"best_cost", c.state.best_cost},
               {"rows", c.rows},
@@ -93,6 +96,7 @@ Checkpoint parseCheckpoint(const std::string& text, const Json& settings, std::s
     Checkpoint c;
     c.state.iteration = json.at("iteration");
     c.state.nominal = json.at("nominal").get<std::vector<double>>();
+    c.state.nominal_cost = costOf(json.at("nominal_cost"));
     c.state.best = json.at("best").get<std::vector<double>>();
     c.state.best_cost = json.at("best_cost");
     c.rows = json.at("rows");
@@ -149,7 +153,9 @@ std::vector<double> sharedCosts(const ControlProblem& problem, const Processes& 
   if (size == 1) return problem.costs(samples, progress, cancel);
   std::vector<std::vector<double>> share;
   for (std::size_t i = rank; i < samples.size(); i += size) share.push_back(samples[i]);
-  const auto texts = processes.gather(Json(problem.costs(share, progress, cancel)).dump());
+  Json mine = Json::array();
+  if (!share.empty()) mine = problem.costs(share, progress, cancel);
+  const auto texts = processes.gather(mine.dump());
   Json all = Json::array();
   if (rank == 0) {
     std::vector<Json> shares;
@@ -161,6 +167,19 @@ std::vector<double> sharedCosts(const ControlProblem& problem, const Processes& 
     costs.push_back(costOf(cost));
   }
   return costs;
+}
+
+// Least and largest flexion of the regions [deg], and the neck's jitter.
+Json spineJson(const SpineMotion& spine) {
+  const auto range = [](const std::vector<Eigen::Vector3d>& turns) {
+    const auto [least, largest] = std::minmax_element(
+        turns.begin(), turns.end(), [](const auto& a, const auto& b) { return a.y() < b.y(); });
+    return Json{least->y() * 180 / M_PI, largest->y() * 180 / M_PI};
+  };
+  return {{"lumbar_flexion_deg", range(spine.lumbar)},
+          {"thoracic_flexion_deg", range(spine.thoracic)},
+          {"neck_flexion_deg", range(spine.neck)},
+          {"neck_power_above_10_hz", neckJitter(spine)}};
 }
 
 ModelPtr loadTaskModel(const OptimizeOptions& o) {
@@ -228,15 +247,10 @@ Json optimize(const OptimizeOptions& o, const Processes& processes, const Optimi
     watch.iteration(c.rows.back());
   }
 
-  // The last nominal has not been evaluated yet.
-  const double last = problem.costs({c.state.nominal}, nullptr, watch.cancel)[0];
-  if (last < c.state.best_cost) {
-    c.state.best = c.state.nominal;
-    c.state.best_cost = last;
-  }
   Json rows = c.rows;
-  rows.push_back(
-      {{"iteration", o.iterations}, {"nominal_cost", last}, {"best_cost", c.state.best_cost}});
+  rows.push_back({{"iteration", o.iterations},
+                  {"nominal_cost", c.state.nominal_cost},
+                  {"best_cost", c.state.best_cost}});
   watch.iteration(rows.back());
 
   const ControlProblem::Trajectory best = problem.trajectory(c.state.best);
@@ -249,12 +263,15 @@ Json optimize(const OptimizeOptions& o, const Processes& processes, const Optimi
                  {"start_cost", rows[0]["nominal_cost"]},
                  {"best_cost", c.state.best_cost},
                  {"rows", rows}};
+  const std::optional<SpineMotion> spine = spineMotion(m.get(), best.motion);
+  if (spine) result["spine"] = spineJson(*spine);
   if (leads) {
     std::map<std::string, std::string> files = {
         {o.output + "/best.motion", motionBinary(best.motion)},
         {o.output + "/controls.csv", controlsCsv(m.get(), best.controls)},
         {o.output + "/cost.csv", costCsv(rows)},
         {o.output + "/result.json", result.dump(2) + "\n"}};
+    if (spine) files[o.output + "/spine.csv"] = spineCsv(*spine);
     if (!o.task.scene.empty()) {
       files[o.output + "/scene.xml"] = sceneMjcf(o.model, o.task.scene, o.output);
     }

@@ -25,7 +25,7 @@ struct OptimizeOptions {
 
 struct OptimizeWatch {
   // An iteration that is done, now or, with resume, before. A row of the cost table: the keys of
-  // MppiReport; of the last nominal only what is known of it.
+  // MppiReport; the last, of what the last update led to, has the costs alone.
   std::function<void(const nlohmann::ordered_json& row)> iteration;
   std::function<void(double)> progress;  // share of the iterations that are done
   const int* cancel;                     // nonzero: stop, and throw ControlProblem::Cancelled
@@ -38,6 +38,7 @@ struct OptimizeWatch {
 //   best.motion      the trajectory of the least cost (tools/motion_file.h), a frame for each step
 //   controls.csv     the controls of each of its steps
 //   result.json      what is returned, without times
+//   spine.csv        the spine along it (spineCsv), if the model has the bones
 //   scene.xml        the model, if the task adds a scene to it
 // Each file is there whole or not at all, and is the same, byte for byte, for any number of threads
 // and processes and after any interruption. The processes share the samples; all return the same,

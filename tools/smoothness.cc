@@ -89,6 +89,12 @@ Smoothness smoothness(const Turns& input, const Turns& output, double rate) {
   return result;
 }
 
+double powerShareAbove(const Turns& turns, double rate, double frequency) {
+  const std::vector<double> power = velocityPower(turns);
+  const double bins = frequency / rate * static_cast<double>(turns.size() - 1);
+  return ratio(powerFrom(power, static_cast<std::size_t>(std::ceil(bins))), powerFrom(power, 0));
+}
+
 Turns heldTurns(const HeldMotion& held) {
   const std::vector<std::vector<Isometry3d>> poses = onPelvis(held);
   Turns turns(poses.size());

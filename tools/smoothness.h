@@ -24,6 +24,10 @@ struct Smoothness {
 Smoothness smoothness(const std::vector<std::vector<Eigen::Vector3d>>& input,
                       const std::vector<std::vector<Eigen::Vector3d>>& output, double rate);
 
+// Share of the power that is above a frequency [Hz], of turns as above.
+double powerShareAbove(const std::vector<std::vector<Eigen::Vector3d>>& turns, double rate,
+                       double frequency);
+
 // Turns of the held bones (kHeldBones) on the pelvis, frame by frame: the input of a retrofit. Sums
 // of the turns from frame to frame, so that a bone that goes round does not jump.
 std::vector<std::vector<Eigen::Vector3d>> heldTurns(const HeldMotion& held);

@@ -7,6 +7,7 @@
 #include "model/disc_fit.h"
 #include "tools/simple_trunk.h"
 #include "tools/torso_mjcf_writer.h"
+#include "tools/whole_shoulder.h"
 
 namespace torso::tools {
 namespace {
@@ -104,13 +105,15 @@ std::vector<std::string> mjcfBodies(const Anatomy& anatomy, const MjcfOptions& o
 void writeMjcf(const Anatomy& anatomy, const MjcfOptions& options,
                tinyxml2::XMLDocument& document) {
   MjcfOptions o = options;
-  const bool simple = o.kind == TorsoKind::kSimple;
+  Anatomy a = anatomy;
+  if (o.kind != TorsoKind::kDetailed) a = withWholeShoulder(a);
+  if (o.kind == TorsoKind::kSimple) a = withSimpleTrunk(a);
   if (o.height == 0) o.height = -anatomy.landmark("sole").z();
   document.InsertEndChild(document.NewComment(
       " Written by `torso build` from the anatomy tables; edit those, not this file. "));
   tinyxml2::XMLElement* root = document.NewElement("mujoco");
   document.InsertEndChild(root);
-  MjcfWriter(simple ? withSimpleTrunk(anatomy) : anatomy, o, root).write();
+  MjcfWriter(a, o, root).write();
 }
 
 std::string mjcfText(const Anatomy& anatomy, const MjcfOptions& options) {

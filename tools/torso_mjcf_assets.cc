@@ -55,10 +55,10 @@ void MjcfWriter::writeDefaults() {
         .set("contype", contype)
         .set("conaffinity", conaffinity)
         .set("condim", 3)
-        .set("friction", {0.8, 0.005, 0.0001})
+        .set("friction", {kFriction[0], kFriction[1], kFriction[2]})
         .set("mass", 0)
-        .set("solref", "0.01 1")
-        .set("solimp", "0.9 0.95 0.005")
+        .set("solref", kContactSolref)
+        .set("solimp", kContactSolimp)
         .set("rgba", {0.8, 0.5, 0.4, 0.35});
   };
   collision("spine", 0, kWorldBit);

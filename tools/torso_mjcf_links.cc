@@ -2,6 +2,8 @@
 
 // What acts between bodies: contacts, tendons, equalities and actuators.
 
+#include <fmt/core.h>
+
 #include "tools/collision_shapes.h"
 #include "tools/simple_trunk.h"
 #include "tools/torso_mjcf_writer.h"
@@ -19,6 +21,38 @@ constexpr double kFacetMargin = 0.1, kFacetGap = 0.3;
 
 }  // namespace
 
+// A body that is excluded as the neighbour of a limb may be moulded of other parts too. Those meet
+// the limb, as in the detailed torso, by pairs of geoms.
+void MjcfWriter::writeTrunkPairs(tinyxml2::XMLElement* contact, const std::string& limb,
+                                 const std::set<std::string>& excluded) const {
+  for (const std::string& part : mjcfBodies(a_, o_)) {
+    if (!excluded.count(host(part)) || neighbours(limb, part)) continue;
+    int count = 0;
+    for (const CollisionShape& shape : collisionShapes(a_, part)) {
+      const std::string name = fmt::format("{}_collision{}", part, count++);
+      if (shape.kind != "trunk") continue;
+      Element(contact, "pair")
+          .set("geom1", named(limb + "_collision0"))
+          .set("geom2", named(name))
+          .set("condim", 3)
+          .set("friction", {kFriction[0], kFriction[0], kFriction[1], kFriction[2], kFriction[2]})
+          .set("solref", kContactSolref)
+          .set("solimp", kContactSolimp);
+    }
+  }
+}
+
+// The torso's parts beside a limb's own joint, which it overlaps.
+bool MjcfWriter::neighbours(const std::string& limb, const std::string& part) const {
+  const auto [side, name] = splitSide(limb);
+  static const std::map<std::string, std::set<std::string>> kNeighbours = {
+      {"upper_arm", {"scapula", "clavicle", "ribcage"}}, {"thigh", {"pelvis", "L5", "L4"}}};
+  const auto found = kNeighbours.find(name);
+  const auto [part_side, part_name] = splitSide(part);
+  return found != kNeighbours.end() && found->second.count(part_name) > 0 &&
+         (part_side == side || part_side == Side::kMiddle);
+}
+
 void MjcfWriter::writeContacts() {
   Element contact(root_, "contact");
   // Neighbours that are not parent and child in the tree.
@@ -27,12 +61,15 @@ void MjcfWriter::writeContacts() {
     Element(contact, "exclude").set("body1", named(one)).set("body2", named(two));
   };
   for (const char* side : {"left_", "right_"}) {
-    for (const char* part : {"clavicle", "ribcage"}) {
-      const std::string body = part == std::string("ribcage") ? part : std::string(side) + part;
-      exclude(std::string(side) + "upper_arm", body);
-    }
-    for (const char* level : {"L5", "L4"}) {
-      if (host(level) != "pelvis") exclude(std::string(side) + "thigh", host(level));
+    for (const char* limb : {"upper_arm", "thigh"}) {
+      const std::string body = std::string(side) + limb;
+      std::set<std::string> met;
+      for (const std::string& part : mjcfBodies(a_, o_)) {
+        const bool parent = part == "pelvis" || splitSide(part).second == "scapula";
+        if (!parent && neighbours(body, part)) met.insert(host(part));
+      }
+      for (const std::string& part : met) exclude(body, part);
+      if (!detailed() && bodies_.count(body)) writeTrunkPairs(contact, body, met);
     }
   }
   exclude("head", "ribcage");

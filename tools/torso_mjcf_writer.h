@@ -27,6 +27,11 @@ constexpr int kCollisionGroup = 3, kFacetGroup = 4, kSiteGroup = 4;
 constexpr char kLimitSolref[] = "0.004 1";
 constexpr char kLimitSolimp[] = "0.9 0.99 0.001";
 
+// Of bones with the world and each other.
+constexpr double kFriction[3] = {0.8, 0.005, 0.0001};  // MuJoCo's sliding, torsional, rolling
+constexpr char kContactSolref[] = "0.01 1";
+constexpr char kContactSolimp[] = "0.9 0.95 0.005";
+
 class MjcfWriter {
  public:
   MjcfWriter(const Anatomy& anatomy, const MjcfOptions& options, tinyxml2::XMLElement* root)
@@ -69,6 +74,9 @@ class MjcfWriter {
   std::string axesSite(const std::string& body);
   void writeSites();
   void writeContacts();
+  void writeTrunkPairs(tinyxml2::XMLElement* contact, const std::string& limb,
+                       const std::set<std::string>& excluded) const;
+  bool neighbours(const std::string& limb, const std::string& part) const;
   void writeTendons();
   void writeEqualities();
   void writeActuators();

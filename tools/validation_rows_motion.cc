@@ -249,15 +249,38 @@ std::vector<Row> retrofitRows(const Json& j) {
 }
 
 std::vector<Row> optimizeRows(const Json& j) {
-  std::vector<Row> rows = {
-      headline({j.at("task").get<std::string>() + ", best cost", number(j.at("best_cost")), "",
-                std::nullopt, ""}),
-      {"cost at the start", number(j.at("start_cost")), ""},
-      {"iterations", number(j.at("iterations")), "30", std::nullopt, "Lee et al. 2023"},
-      {"parameters", number(j.at("parameters")), ""},
-      {"nominal cost of each iteration", listOf(j, "nominal_cost"), ""},
-      {"best cost of each iteration", listOf(j, "best_cost"), ""},
-      {"simulated in an iteration [s]", number(j.at("simulated_s_per_iteration")), ""}};
+  const std::string task = j.at("task").get<std::string>();
+  std::vector<Row> rows;
+  if (j.contains("bodies")) {
+    for (const Json& body : j["bodies"]) {
+      const std::string name = task + ", " + body.at("model").get<std::string>();
+      rows.push_back(headline(
+          {name + ", mean cost of the seeds", number(body.at("mean_cost")), "", std::nullopt, ""}));
+      if (!body.at("sd").is_null()) rows.push_back({name + ", SD", number(body["sd"]), ""});
+      rows.push_back({name + ", a run [core-s]", number(body.at("core_s")), "at most 1800",
+                      body["core_s"].get<double>() <= 1800, ""});
+      for (const Json& spine : body.value("spines", Json::array())) {
+        rows.push_back({name + ", power of the neck above 10 Hz",
+                        number(spine.at("neck_power_above_10_hz")), ""});
+      }
+    }
+    if (j.contains("core_s_ratio")) {
+      rows.push_back({"cost of the detailed torso to that of the fixed one",
+                      number(j["core_s_ratio"]), "60", std::nullopt, "Lee et al. 2023"});
+    }
+  } else {
+    rows = {headline({task + ", best cost", number(j.at("best_cost")), "", std::nullopt, ""}),
+            {"cost at the start", number(j.at("start_cost")), ""},
+            {"parameters", number(j.at("parameters")), ""},
+            {"nominal cost of each iteration", listOf(j, "nominal_cost"), ""},
+            {"best cost of each iteration", listOf(j, "best_cost"), ""}};
+    if (j.contains("spine")) {
+      rows.push_back(
+          {"power of the neck above 10 Hz", number(j["spine"].at("neck_power_above_10_hz")), ""});
+    }
+  }
+  rows.push_back({"iterations", number(j.at("iterations")), "30", std::nullopt, "Lee et al. 2023"});
+  rows.push_back({"simulated in an iteration [s]", number(j.at("simulated_s_per_iteration")), ""});
   for (const char* key : {"samples", "horizon_s", "timestep_s", "temperature", "noise", "seed"}) {
     if (j.at("settings").contains(key)) rows.push_back({text(key), number(j["settings"][key]), ""});
   }

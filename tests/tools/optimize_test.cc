@@ -13,6 +13,8 @@
 #include "tests/tools/command_fixture.h"
 #include "tools/motion_file.h"
 #include "tools/mppi.h"
+#include "tools/mujoco_support.h"
+#include "tools/spine_motion.h"
 #include "tools/task.h"
 
 namespace torso::tools {
@@ -67,8 +69,34 @@ TEST(Mppi, FailedSamplesHaveNoWeight) {
   const MppiReport none = mppiIterate(
       options, {0.5}, 2, [](const std::vector<Vector>& x) { return Vector(x.size(), INFINITY); },
       &state);
-  EXPECT_EQ(none.failed, options.samples);
+  EXPECT_EQ(none.failed, options.samples - 1) << "the nominal is known";
   EXPECT_EQ(state.nominal, before);
+}
+
+// A hollow at 1 between two ridges: the mean of samples in the hollow and beyond it may be on a
+// ridge, and is then not taken.
+TEST(Mppi, TheNominalNeverGetsWorse) {
+  MppiOptions options;
+  options.samples = 8;
+  MppiState state;
+  state.nominal = {0, 0};
+  const auto costs = [](const std::vector<Vector>& x) {
+    Vector all;
+    for (const Vector& v : x) all.push_back(-std::cos(9 * v[0]) * std::cos(9 * v[1]) + v[0]);
+    return all;
+  };
+  double before = INFINITY;
+  int unchanged = 0;
+  for (int i = 0; i < 30; i++) {
+    const MppiReport report = mppiIterate(options, {0.5, 0.5}, 1, costs, &state);
+    EXPECT_LE(report.nominal_cost, before) << i;
+    EXPECT_EQ(state.nominal_cost, costs({state.nominal})[0]) << i;
+    EXPECT_LE(state.best_cost, state.nominal_cost) << i;
+    unchanged += report.nominal_cost == before;
+    before = report.nominal_cost;
+  }
+  EXPECT_GT(unchanged, 0) << "no update was refused";
+  EXPECT_LT(before, -1.5);
 }
 
 // 1 kg on a rail, pushed by up to 1 N.
@@ -211,6 +239,65 @@ TEST_F(Optimize, GoesOnAsIfItHadNotBeenStopped) {
     expectSameFiles("whole", "killed");
     fs::remove_all(folder_ / "killed");
   }
+}
+
+// Each seed of each body is the run that it would be alone.
+TEST_F(Optimize, SeveralSeedsAndBodies) {
+  write("cart_fixed.xml", kCart);
+  const std::string arguments = "optimize far.json --samples 5 --iterations 3 ";
+  const json both =
+      runJson(arguments + "--model cart.xml --seed 4 --seeds 2 --compare --json -o both");
+  ASSERT_EQ(both["bodies"].size(), 2u);
+  double sum = 0;
+  for (const std::string seed : {"4", "5"}) {
+    const json one =
+        runJson(arguments + "--model cart.xml --json --seed " + seed + " -o one" + seed);
+    expectSameFiles("one" + seed, "both/cart/seed" + seed);
+    sum += one["best_cost"].get<double>();
+  }
+  for (const json& body : both["bodies"]) {
+    EXPECT_NEAR(body["mean_cost"].get<double>(), sum / 2, 1e-12);
+    const std::vector<double> costs = body["best_costs"];
+    EXPECT_NEAR(body["sd"].get<double>(), std::abs(costs[0] - costs[1]) / std::sqrt(2), 1e-12);
+  }
+  EXPECT_EQ(both["bodies"][1]["model"], "cart_fixed");
+  EXPECT_GT(both["core_s_ratio"], 0);
+  EXPECT_EQ(json::parse(readFile(folder_ / "both/result.json")), both);
+  EXPECT_THAT(run("optimize far.json --model cart_fixed.xml --compare -o none").err,
+              HasSubstr("cart_fixed.xml: no body with a fixed torso is beside it"));
+}
+
+// A wave of 12 Hz in the neck is jitter, one of 2 Hz is not, and the parts add up to the turns.
+TEST(SpineMotion, TellsJitterFromMotion) {
+  for (const double hertz : {2., 12.}) {
+    SpineMotion spine;
+    spine.rate = 200;
+    for (int i = 0; i <= 200; i++) {
+      spine.neck.push_back({0, 0.1 * std::sin(2 * M_PI * hertz * i / spine.rate), 0});
+    }
+    spine.lumbar = spine.thoracic = spine.neck;
+    EXPECT_NEAR(neckJitter(spine), hertz > 10 ? 1 : 0, 0.01) << hertz;
+  }
+}
+
+TEST(SpineMotion, IsOfTheJointsThatBend) {
+  const ModelPtr m = compileModel(
+      "<mujoco><worldbody><body name='pelvis'><freejoint/><geom size='.1'/><body name='T12'>"
+      "<joint name='a' axis='0 1 0'/><geom size='.1'/><body name='T1'><joint name='b' axis='0 1 "
+      "0'/>"
+      "<geom size='.1'/><body name='C3' euler='0 40 0'><joint name='c' axis='0 1 0'/>"
+      "<geom size='.1'/></body></body></body></body></worldbody></mujoco>",
+      "chain");
+  Motion motion;
+  motion.rate = 10;
+  motion.columns = qposColumns(m.get());
+  motion.qpos = {1, 2, 3, 0.6, 0, 0, 0.8, 0.1, -0.2, 0.3};
+  const auto spine = spineMotion(m.get(), motion);
+  ASSERT_TRUE(spine);
+  EXPECT_NEAR(spine->lumbar[0].y(), 0.1, 1e-9);
+  EXPECT_NEAR(spine->thoracic[0].y(), -0.2, 1e-9);
+  EXPECT_NEAR(spine->neck[0].y(), 0.3, 1e-9);
+  EXPECT_THAT(spineCsv(*spine), HasSubstr("\n0.000000,5.730,-11.459,17.189\n"));
 }
 
 TEST_F(Optimize, WrongCheckpointsAreRefused) {
