@@ -70,7 +70,8 @@ WholeSpine::WholeSpine(const Anatomy& whole, const Skeleton& skeleton, const Spi
   for (int i = 0; i < m_->ntendon && !parts.ligaments; i++) m_->tendon_limited[i] = 0;
   // A margin that no distance is below.
   for (int i = 0; i < m_->npair && !parts.facets; i++) m_->pair_margin[i] = -mjMAXVAL;
-  lighten(m_.get());
+  // Without discs nothing would hold bodies so light against the jolts of their contacts.
+  if (parts.discs) lighten(m_.get());
   d_ = makeData(m_.get());
   for (const Disc& disc : anatomy.discs) {
     const auto site = [&](const char* suffix) {
