@@ -63,6 +63,25 @@ TEST(WholeSpine, BendsAlikeToBothSidesWithoutTheRibCageFurther) {
   EXPECT_LT(bend(without, 1), 1.8 * left);
 }
 
+// Where a load ends does not depend on the way there: the spine is at rest. (As heavy as it is, its
+// regions were degrees away from where they came to rest.)
+TEST(WholeSpine, EndsAtRest) {
+  SpineParts parts;
+  parts.ribcage = false;
+  WholeSpine spine(anatomy(), skeleton(), parts);
+  spine.stand(laboratoryLoad(anatomy(), Eigen::Vector3d::Zero()));
+  const SpineLoad load = laboratoryLoad(anatomy(), turnAxis(Turn::kLeftBending));
+  const SpinePose at_once = spine.load(load, 1).back(), in_steps = spine.load(load, 3).back();
+  for (const SpineRegion& region : spineRegions()) {
+    double sum[2] = {};
+    for (int i = region.first; i <= region.last; i++) {
+      sum[0] += at_once.levels[i].norm();
+      sum[1] += in_steps.levels[i].norm();
+    }
+    EXPECT_NEAR(sum[0], sum[1], 0.02 * sum[0]) << region.name;
+  }
+}
+
 // Compression stiffens the lumbar spine, the more the larger it is; published for rotation among
 // the six terms of the stiffness: 2.11 times under 500 N (Gardner-Morse and Stokes 2004, J Biomech
 // 37:205-212), here from 1.3 on.
