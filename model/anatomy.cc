@@ -9,6 +9,7 @@
 #include "model/csv.h"
 #include "model/pitch.h"
 #include "model/range_of_motion.h"
+#include "model/rotation.h"
 
 namespace torso {
 namespace {
@@ -288,9 +289,8 @@ Anatomy Anatomy::load(const std::string& folder) {
                           segments.number(i, "gyration_z_mm")) *
                  kMm;
     const Vector3d along = distal - proximal;
-    s.axes = along.norm() > 0
-                 ? Eigen::Quaterniond::FromTwoVectors(-Vector3d::UnitZ(), along).toRotationMatrix()
-                 : Eigen::Matrix3d::Identity();
+    s.axes = along.norm() > 0 ? leastRotation(-Vector3d::UnitZ(), along).toRotationMatrix()
+                              : Eigen::Matrix3d::Identity();
     a.segments.push_back(s);
   }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/bone_vertebra.h"
+#include "model/rotation.h"
 
 namespace torso {
 namespace {
@@ -124,7 +125,7 @@ void addTransverseProcess(Blend& bone, const VertebraPlan& plan) {
   // Its face: a shallow dish.
   Isometry3d X = Isometry3d::Identity();
   X.translate(p);
-  X.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal).toRotationMatrix();
+  X.linear() = leastRotation(Vector3d::UnitZ(), normal).toRotationMatrix();
   bone.unitePair(facePlate(X, 9.5_mm, 9.5_mm, 4.0_mm, 1.0_mm), 2.5_mm);
   bone.carvePair(ellipsoidSolid(p + 11.2_mm * normal, Vector3d::Constant(12.0_mm)), 0.5_mm);
 }

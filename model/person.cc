@@ -8,6 +8,7 @@
 
 #include "model/body.h"
 #include "model/body_warp.h"
+#include "model/rotation.h"
 #include "model/spine_curve.h"
 
 namespace torso {
@@ -193,7 +194,7 @@ void carry(const Anatomy& tables, const BodyWarp::Growth& growth, Anatomy& a) {
     const Vector3d along = a.landmark(s.distal) - a.landmark(s.proximal);
     const Vector3d before = tables.landmark(s.distal) - tables.landmark(s.proximal);
     if (before.norm() > 0) {
-      s.axes = Eigen::Quaterniond::FromTwoVectors(-Vector3d::UnitZ(), along).toRotationMatrix();
+      s.axes = leastRotation(-Vector3d::UnitZ(), along).toRotationMatrix();
       s.gyration *= along.norm() / before.norm();
     } else if (s.name == "pelvis") {
       s.axes = place.pelvisRotation() * s.axes;

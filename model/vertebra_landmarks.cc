@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "model/mesh_section.h"
+#include "model/rotation.h"
 #include "model/vertebra_frame.h"
 
 namespace torso {
@@ -82,8 +83,7 @@ class Finder {
   // uncinate processes, in front of the pedicles.
   double endplateWidth(const Landmark& plate, double height, double depth) const {
     Isometry3d X = Isometry3d::Identity();
-    X.linear() =
-        Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), plate.normal).toRotationMatrix();
+    X.linear() = leastRotation(Vector3d::UnitZ(), plate.normal).toRotationMatrix();
     X.translation() = plate.centre;
     const TriMesh local = transformed(mesh_, X.inverse());
     double widest = 0;

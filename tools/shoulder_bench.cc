@@ -8,6 +8,7 @@
 
 #include "model/body.h"
 #include "model/facet_gap.h"
+#include "model/rotation.h"
 #include "tools/error.h"
 #include "tools/mujoco_eigen.h"
 #include "tools/torso_mjcf.h"
@@ -174,7 +175,7 @@ void ShoulderBench::step(const Vector3d& shaft_target, const std::vector<Scapula
   mjModel* m = m_.get();
   mjData* d = d_.get();
   const Vector3d shaft = turned(humerus_) * shaftAtRest(anatomy_);
-  const Eigen::AngleAxisd error(Eigen::Quaterniond::FromTwoVectors(shaft, shaft_target));
+  const Eigen::AngleAxisd error(leastRotation(shaft, shaft_target));
   mjtNum velocity[6];
   mj_objectVelocity(m, d, mjOBJ_BODY, humerus_, velocity, 0);
   const Vector3d w = vector3(velocity);
