@@ -318,11 +318,9 @@ class Checker {
         const Vector3d along = (p - centre).normalized();
         const double surface =
             1 / (f.ellipsoid.linear().transpose() * along).cwiseQuotient(f.radii).norm();
-        const Vector3d from = centre + 2 * surface * along;
-        const double rib = 2 * surface - ribs.castRay(from, -along).distance;
-        if (!std::isfinite(rib) || rib < 0.6 * surface) continue;  // between two ribs
-        least = std::min(least, surface - rib);
-        largest = std::max(largest, surface - rib);
+        const double off = ribs.signedDistance(centre + surface * along);
+        least = std::min(least, off);
+        largest = std::max(largest, off);
       }
     }
     out.push_back(length("scapula_ellipsoid", f.name + " nearest", least, 0, 20 * mm_));
