@@ -140,9 +140,9 @@ void addCostal(const Anatomy& a, std::vector<Facet>& facets) {
 
 void addScapulothoracic(const Anatomy& a, std::vector<Facet>& facets) {
   // An upright ellipsoid for each side, turned to face back and outwards, as in Seth et al. 2016,
-  // PLoS ONE 11:e0141028 (half axes 70, 70 and 150 mm, turned by 50 degrees). Fitted to our ribs 2 to
-  // 8, some 15 mm off them for serratus anterior and subscapularis, so that the scapula stays on it
-  // while it moves as bone pins do (shoulder_rhythm.csv), shrugs, protracts and retracts.
+  // PLoS ONE 11:e0141028 (half axes 70, 70 and 150 mm, turned by 50 degrees). Fitted to our ribs 2
+  // to 8, some 15 mm off them for serratus anterior and subscapularis, so that the scapula stays on
+  // it while it moves as bone pins do (shoulder_rhythm.csv), shrugs, protracts and retracts.
   Facet f;
   const Matrix3d turn = a.warp ? a.warp->thoraxRotation() : Matrix3d(Matrix3d::Identity());
   const Vector3d growth = a.warp ? a.warp->thoraxGrowth() : Vector3d(1, 1, 1);

@@ -105,7 +105,7 @@ std::vector<std::vector<Vector3d>> turnsOf(const RetrofitResult& result) {
 // head is held as well.
 TEST(SmoothRetrofit, NeckDoesNotSnap) {
   const RetrofitModels models(BodyMjcf(TORSO_MJCF "/human.xml"));
-  const HeldMotion motion = sunkenHead(models.human.get(), 40, 0.035, 0.5);
+  const HeldMotion motion = sunkenHead(models.human.get(), 40, 0.04, 0.5);
   const std::vector<std::string> names = Posture(models.human.get()).names();
   const ExplainedJumps explained(motion);
   RetrofitOptions options;
