@@ -66,9 +66,8 @@ int collideFacet(const mjModel* m, const mjData* d, const FacetEntry& facet, mjC
   // two steps at this speed, or nearer than what forces do in a step, which goes with its square.
   const double h = m->opt.timestep;
   const double approach = std::max(then.violation - now.violation, 0.0);
-  const double near =
-      std::min(kNear, kNearPerSquare * h * h) *
-      mju_min(m->geom_size[3 * facet.ellipsoid_geom + 2], m->geom_size[3 * facet.ellipsoid_geom]);
+  const double near = std::min(kNear, kNearPerSquare * h * h) *
+                      ConstVector(m->geom_size + 3 * facet.ellipsoid_geom).minCoeff();
   if (now.violation + 2 * approach + near <= 0) return 0;
   // The contact pushes geom1, the point, against the frame's first axis.
   con->dist = kFacetDistance;
