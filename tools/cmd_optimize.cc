@@ -243,7 +243,7 @@ void addOptimize(CLI::App& app) {
       "its own, scene.xml, the model to view it with.\n\n"
       "--seeds and --compare run it several times, each in a folder of its own, and print and "
       "write\n"
-      "(summary.json) mean and spread.\n\n"
+      "(result.json) mean and spread.\n\n"
       "All of them are the same, byte for byte, for any number of threads, and of processes under\n"
       "mpirun, and after a kill and --resume, on machines of one kind.\n\n"
       "Examples:\n"

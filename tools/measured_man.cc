@@ -9,7 +9,7 @@
 namespace torso::tools {
 namespace {
 
-constexpr int kL4L5 = 1, kLumbarDiscs = 6;  // L5/S1 .. T12/L1
+constexpr int kLumbarDiscs = 6;  // L5/S1 .. T12/L1
 
 }  // namespace
 
@@ -28,7 +28,7 @@ Anatomy measuredMan(const Anatomy& tables) {
   Person person;
   person.mass = kSubjectsMass;
   Anatomy anatomy = personalAnatomy(tables, person);
-  const double wider = std::sqrt(kSubjectsArea / outlineArea(anatomy.discs[kL4L5].shape));
+  const double wider = std::sqrt(kSubjectsArea / outlineArea(anatomy.disc("L4/L5").shape));
   for (int i = 0; i < kLumbarDiscs; i++) {
     anatomy.discs[i].shape.width *= wider;
     anatomy.discs[i].shape.depth *= wider;
