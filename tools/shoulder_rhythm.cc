@@ -130,9 +130,10 @@ void writeShoulderPlots(const std::string& folder, const ShoulderReport& report,
       "  '' index 1 using 2:3 with lines lw 2 dt 4 lc rgb '#1f4e9c' title 'ours, lowering'\n"
       "set title 'Scapula and clavicle while the arm is raised'\nset ylabel 'change [deg]'\n"
       "plot for [i=4:8] 'shoulder.csv' index 0 skip 1 using 2:i with lines lw 2 title "
-      "word('tilt_of_the_scapula,_backward external_rotation_of_the_scapula "
-      "elevation_of_the_clavicle retraction_of_the_clavicle backward_rotation_of_the_clavicle', "
-      "i-3) noenhanced\nunset multiplot\n";
+      "word('\"tilt of the scapula, backward\" \"external rotation of the scapula\" "
+      "\"elevation of the clavicle\" \"retraction of the clavicle\" "
+      "\"backward rotation of the clavicle\"', "
+      "i-3)\nunset multiplot\n";
   writeFile(folder + "/shoulder.gp", script);
 }
 
